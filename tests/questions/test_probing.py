@@ -228,7 +228,7 @@ def test_the_written_task_plans_and_runs(task: Task, tumbled: MembershipResult, 
     target = tmp_path / "known.yaml"
     assert save_members(task, tumbled, target) == ("TUMBLABLE",)
     text = target.read_text(encoding="utf-8")
-    assert "# P5 has never been seen before" in text
+    assert "# P5 is an unknown object" in text
     assert "unknown: [ROLLABLE]" in text
     assert [file.name for file in tmp_path.iterdir()] == ["known.yaml"]
     # The same box in the task whose goal names the box.

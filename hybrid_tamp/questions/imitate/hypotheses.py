@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hybrid_tamp.feasibility.bindings import order_conditions
 from hybrid_tamp.model.affordance import BODY_STATE
@@ -101,9 +102,7 @@ class Hypotheses:
 
     def ready(self, hypothesis: Hypothesis, strict: bool = False) -> Truth:
         """Return a mask of the rows in which the exit conditions of a hypothesis hold, starting at row `reached`."""
-        if hypothesis.block is None:
-            return self._from(hypothesis.reached)
-        exits = self.block(hypothesis.block).measured_exits
+        exits = () if hypothesis.block is None else self.block(hypothesis.block).measured_exits
         return self.truth(exits, hypothesis.slots + hypothesis.targets, strict) & self._from(hypothesis.reached)
 
     def may_start(self, name: str, roles: Roles, strict: bool = False) -> Truth:
@@ -131,7 +130,21 @@ class Hypotheses:
             return [int(row) for row in loose[:1]]
         near = loose[seen.times[loose] <= seen.times[loose[0]] + _OPEN]
         again = near[np.flatnonzero(np.diff(near, prepend=near[0] - 2) > 1)[-1]]
-        return sorted({int(loose[0]), int(again), int(near[-1]), *map(int, exact[:1])})
+        still = self._standstill(block, roles, loose[seen.times[loose] <= seen.times[loose[0]] + 2 * _OPEN])
+        return sorted({int(loose[0]), int(again), int(near[-1]), *map(int, exact[:1]), *still})
+
+    def _standstill(self, block: Block, roles: Roles, rows: NDArray[np.intp]) -> list[int]:
+        """Return the first of the given rows after which no token that the block moves leaves its place for `_OPEN`.
+
+        Noise hides small velocities, so a token may seem to be at rest while it still slows down.
+        """
+        seen = self.observation
+        moved = [token for role, token in roles if set(block.writes.get(role, ())) & set(_POSE)]
+        for row in map(int, rows):
+            leaves = min((seen.departure(token, row) for token in moved), default=seen.last)
+            if seen.times[min(leaves, seen.last)] - seen.times[row] >= _OPEN:
+                return [row]
+        return []
 
     def _make(self, name: str, slots: Roles, targets: Roles, start: int, reached: int) -> Hypothesis | None:
         block, seen = self.block(name), self.observation
@@ -160,9 +173,9 @@ class Hypotheses:
         return Hypothesis(None, (("token", token),), (), start, row, seen.departure(token, row), due, UNEXPLAINED_COST)
 
     def targets(self, block: Block, slots: Roles) -> tuple[Roles, ...]:
-        """Return the bindings of the targets that the feasibility facts allow.
+        """Return the bindings of the targets that the feasibility facts allow, in the order of the task's tokens.
 
-        In each binding, tokens precede symbols. The bindings are sorted by the order of the tokens in the task.
+        In each binding, tokens precede symbols.
         """
         key = (block.name, slots)
         if key not in self._targets:
