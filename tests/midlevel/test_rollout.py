@@ -55,7 +55,8 @@ def test_an_invariant_counts_with_its_least_margin() -> None:
 
     low = Predicate("low", (Parameter("hand", TOKEN),), height, unit="m", scale=0.01, reads={"hand": ("position",)})
     task = rolling_task()
-    reaching = replace(task.domain.block_by_name["REACHING:behind"], invariants=(low("hand"),))
+    behind = task.domain.block_by_name["REACHING:behind"]
+    reaching = replace(behind, invariants=(*behind.invariants, low("hand")))
     others = [replace(b, keeps=(*b.keeps, low)) for b in task.domain.blocks if b.name != reaching.name]
     task = task.replaced(domain=task.domain.with_blocks([*others, reaching], [low]))
     plan = reach_and_roll(task)

@@ -10,7 +10,8 @@ from hybrid_tamp.model.predicate import Atom
 def test_facts_are_read_off_the_numbers() -> None:
     task = rolling_task()
     resting = {Atom("at_rest", ("drum 0",)), Atom("at_rest", ("hand 0",))}
-    assert facts(task) == resting | {Atom(name, ("hand 0",)) for name in ("clear_of_floor", "in_workspace")}
+    free = {Atom("outside", ("hand 0", "drum 0"))}
+    assert facts(task) == resting | free | {Atom(name, ("hand 0",)) for name in ("clear_of_floor", "in_workspace")}
     there = task.state.replace({("drum 0", "position"): (0.69, 0.0, 0.1)})
     assert Atom("inside", ("drum 0", "region 0")) in facts(task, there)
     moving = task.state.replace({("drum 0", "velocity"): (0.1, 0.0, 0.0)})
@@ -23,6 +24,8 @@ def test_feasibility_is_known_before_any_search() -> None:
         Atom("lies_on_side", ("drum 0",)),
         Atom("on_rolling_line", ("drum 0", "region 0")),
         Atom("within_workspace", ("hand 0", "drum 0", "region 0")),
+        *(Atom(name, ("drum 0",)) for name in ("rolls", "stops", "wide_enough")),
+        *(Atom(name, ("hand 0", "drum 0")) for name in ("able_to_roll", "rolls_steadily", "touches_axis")),
     }
     # The region has a radius of 0.02 m. An object may drift by 0.002 m when it rolls.
     aside = static_facts(rolling_task(regions=[(0.7, 0.023)]))

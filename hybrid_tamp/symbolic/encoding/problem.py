@@ -177,7 +177,10 @@ class _Writer:
             name = self.words.name(token.name)
             block = self.task.start_block(token.name)
             yield (self.vocabulary.state("in", block), name)
-            yield from ((word, name) for word in ("settled", "unclaimed", "completed"))
+            yield from ((word, name) for word in ("settled", "unclaimed"))
+            if block.hold:
+                # A token cannot stay in a block without a hold, so a plan must move the token on.
+                yield ("completed", name)
             yield ("readers", name, none)
         yield from (("next", one, more) for one, more in pairwise([none, *self.numbers]))
 
