@@ -7,6 +7,7 @@ import numpy as np
 
 from hybrid_tamp.geometry.meshes import Hull
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import cross
 
 MOST_SHARED = 0.01
 """Largest common volume of two solids of a body, as a fraction of the smaller solid."""
@@ -56,7 +57,7 @@ def find_overlap(hulls: Sequence[Hull]) -> Overlap | None:
 def face_planes(hull: Hull) -> FloatArray:
     """Return a row (outward unit normal, negative offset [m]) for each face of a hull, ``(m, 4)``."""
     corners = hull.vertices[hull.triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     sound = lengths[:, 0] > 0
     normals = normals[sound] / lengths[sound]

@@ -6,9 +6,8 @@ from typing import TypeVar
 
 import numpy as np
 
-from hybrid_tamp.midlevel.predictions import Condition, Interval, Key, Rollout
+from hybrid_tamp.midlevel.predictions import Condition, Interval, Key, Rollout, weigh_plan
 from hybrid_tamp.model.facts import fact_margin
-from hybrid_tamp.model.goal_distance import measure_goal_distance
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.refined import GOAL
@@ -34,24 +33,12 @@ def measure_run(task: Task, recording: Recording, whole: bool = True) -> Rollout
         margin = np.array([task.margin(atom, recording.state(-1))])
         conditions.append(Condition(GOAL, atom, task.domain.predicate_by_name[atom.predicate], margin))
     final = State(recording.layout, recording.states[-1:])
-    value = _value(task, recording, figures, final)
+    value = weigh_plan(task, recording.instances, figures, final)
     failed = {recording.failure.instance: np.array([True])} if recording.failure else {}
     intervals = {
         i.name: Interval(*(np.array([time]) for time in (i.start, i.active.end, i.end))) for i in recording.instances
     }
     return Rollout(tuple(conditions), figures, value, final, intervals, failed)
-
-
-def _value(task: Task, recording: Recording, figures: Mapping[Key, FloatArray], final: State) -> FloatArray:
-    """Return the value J of a run, shape ``(1,)``. `final` is the state at the end, with the batch shape ``(1,)``."""
-    if task.midlevel.objective == "distance":
-        return -measure_goal_distance(task, final)
-    weights = [
-        measure.weight * figures[instance.name, measure.name] / measure.scale
-        for instance in recording.instances
-        for measure in task.domain.block_by_name[instance.block].performance
-    ]
-    return np.asarray(np.sum(weights, axis=0) + np.zeros(1))
 
 
 def merge_rollouts(runs: Sequence[Rollout]) -> Rollout:

@@ -1,12 +1,13 @@
 """The predicted outcome of a population of candidates: margins, performance measures, times and final states."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hybrid_tamp.model.goal_distance import measure_goal_distance
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Atom, Predicate
 from hybrid_tamp.model.refined import Shortfall
@@ -61,6 +62,26 @@ class Interval(NamedTuple):
     start: FloatArray
     reached: FloatArray
     end: FloatArray
+
+
+def weigh_plan(
+    task: Task, plan: Iterable[BlockInstance], figures: Mapping[Key, FloatArray], final: State
+) -> FloatArray:
+    """Return the value J of a plan, shape ``(n,)``. Measures without a figure count as 0.
+
+    Args:
+        task: task whose `midlevel.objective` defines the value.
+        plan: instances of the plan.
+        figures: maps each pair of (instance, performance measure) to the figures of all candidates. Shape ``(n,)``.
+        final: states at the end of the plan. Shape ``(n, layout.size)``.
+    """
+    if task.midlevel.objective == "distance":
+        return -measure_goal_distance(task, final)
+    value = np.zeros(len(final.values))
+    for instance in plan:
+        for measure in task.domain.block_by_name[instance.block].performance:
+            value = value + measure.weight * figures.get((instance.name, measure.name), 0.0) / measure.scale
+    return value
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.midlevel.population import IntArray, Stretch
-from hybrid_tamp.midlevel.predictions import Chosen, Condition, Interval, Key, Rollout
+from hybrid_tamp.midlevel.predictions import Chosen, Condition, Interval, Key, Rollout, weigh_plan
 from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
-from hybrid_tamp.model.goal_distance import measure_goal_distance
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
@@ -173,11 +172,6 @@ class _Chain:
             predicate = self.task.domain.predicate_by_name[atom.predicate]
             margin = Literal(predicate, atom.arguments, atom.positive).margin(final, self.task.token_by_name)
             self.conditions.append(Condition(GOAL, atom, predicate, np.array(np.broadcast_to(margin, (self.count,)))))
-        value = np.zeros(self.count)
-        if self.task.midlevel.objective == "distance":
-            value = -measure_goal_distance(self.task, final)
-        else:
-            for name, simulation in self.simulations.items():
-                for measure in simulation.block.performance:
-                    value = value + measure.weight * self.figures.get((name, measure.name), 0.0) / measure.scale
+        instances = (simulation.instance for simulation in self.simulations.values())
+        value = weigh_plan(self.task, instances, self.figures, final)
         return Rollout(tuple(self.conditions), self.figures, value, final, self.intervals, self.failed)

@@ -20,7 +20,7 @@ import numpy as np
 from hybrid_tamp.model.affordance import VaryingProperty
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import normalized
+from hybrid_tamp.motion.poses import cross, normalized
 
 GRIP = "grip"
 """Name of the fingers' basic action. Positive commands are closing forces [N]. Other commands open the fingers."""
@@ -84,7 +84,7 @@ def grip_axes(thing: Token) -> FloatArray:
     along = normalized(np.subtract(thing["handle_to"], thing["handle_from"]))
     upright = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
     closing = normalized(upright - along * (upright @ along))
-    return np.stack([along, np.cross(closing, along), closing])
+    return np.stack([along, cross(closing, along), closing])
 
 
 def aperture_property(opened: float) -> VaryingProperty:
