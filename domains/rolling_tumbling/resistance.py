@@ -19,11 +19,10 @@ from ..common.predicates import everywhere, length_predicate
 from ..common.vectors import UP
 from .classes import Rollable
 from .geometry import FLOOR_CLEARANCE, reach_of, upright_part
+from .sliding import HAND_FRICTION
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
-HAND_FRICTION = 0.5
-"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
 SMALLEST_DECELERATION = 0.01
 """Smallest deceleration of a roll [m/s^2]."""
 _USUAL_DECELERATION = 0.15
