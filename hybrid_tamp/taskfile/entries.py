@@ -132,7 +132,8 @@ class TaskFile(_Entry):
     domain: Text = Field(description="name of an installed domain")
     tokens: dict[str, TokenEntry] = Field(description="maps the name of each token to its entry", min_length=1)
     goal: list[Any] = Field(
-        description="atoms that must hold at the end, as 'predicate: [tokens]'; '*' stands for any token or symbol",
+        description="atoms that must hold at the end, as 'predicate: [tokens]'; '*' stands for any token or symbol; "
+        "'{all: CLASS}' in place of a token stands for one atom per token of the class",
         min_length=1,
     )
     agents: dict[str, Annotated[list[Text], Field(min_length=1)]] = Field(

@@ -4,17 +4,22 @@ from typing import Any
 
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Atom, Parameter, Predicate, SymbolSort
+from hybrid_tamp.taskfile.all_members import check_argument, expand
 from hybrid_tamp.taskfile.places import Faults, KeyPath, plain, shown
 from hybrid_tamp.taskfile.tokens import Scene
 
 _FORM = "an atom of the goal must be 'predicate: [tokens]'"
 
 
-def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> tuple[Atom, ...]:
-    """Read the atoms of the goal, record their faults and return the faultless atoms without duplicates."""
+def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene: Scene) -> dict[Atom, KeyPath]:
+    """Read the atoms of the goal and record their faults.
+
+    Returns:
+        A mapping from each faultless atom to the path of its arguments.
+    """
     items = data.get("goal")
     if not isinstance(items, list):
-        return ()
+        return {}
     atoms: dict[Atom, KeyPath] = {}
     values: dict[tuple[Any, ...], Atom] = {}
     for index, item in enumerate(items):
@@ -22,18 +27,23 @@ def read_goal(data: dict[str, Any], faults: Faults, domain: Domain | None, scene
         found = _form(item, path, faults) if faults.sound(path) else None
         if found is None:
             continue
-        atom, path = found
-        predicate = _predicate(atom, path, faults, domain)
-        _check_arguments(atom, predicate, path, faults, scene)
-        _check_different(atom, path, faults, scene)
-        if faults.sound(path) and predicate is not None:
-            atoms.setdefault(atom, path)
-            _check_company(atom, predicate, path, atoms, values, faults)
-    return tuple(atoms)
+        name, arguments = found
+        path = (*path, name)
+        predicate = _predicate(name, arguments, path, faults, domain)
+        for each in expand(arguments, path, faults, domain, scene):
+            atom = Atom(name, each)
+            _check_arguments(atom, predicate, path, faults, scene)
+            _check_different(atom, path, faults, scene)
+            if faults.sound(path) and predicate is not None:
+                atoms.setdefault(atom, path)
+                _check_company(atom, predicate, path, atoms, values, faults)
+            if not faults.sound(path):
+                break  # The other members of a class would have similar faults.
+    return atoms
 
 
-def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | None:
-    """Return the atom and the path of its arguments, or None if the item is not an atom."""
+def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[str, list[Any]] | None:
+    """Return the name and the arguments of an atom, or None if the item is not an atom."""
     if isinstance(item, dict) and "not" in item:
         remedy = "remove the negated atom, or replace it by an atom that must hold"
         faults.at((*path, "not"), "a goal atom must not be negated", "'not'", remedy=remedy, key=True)
@@ -48,23 +58,23 @@ def _form(item: Any, path: KeyPath, faults: Faults) -> tuple[Atom, KeyPath] | No
         faults.at(path, _FORM, faults.shown(path, arguments), remedy="write the tokens in brackets")
         return None
     for index, argument in enumerate(arguments):
-        if not isinstance(argument, str):
-            here = (*path, index)
-            faults.at(here, "an argument must be a name", faults.shown(here, argument), remedy="write it in quotes")
-    return (Atom(predicate, tuple(arguments)), path) if faults.sound(path) else None
+        check_argument(argument, (*path, index), faults)
+    return (predicate, arguments) if faults.sound(path) else None
 
 
-def _predicate(atom: Atom, path: KeyPath, faults: Faults, domain: Domain | None) -> Predicate | None:
+def _predicate(
+    name: str, arguments: list[Any], path: KeyPath, faults: Faults, domain: Domain | None
+) -> Predicate | None:
     if domain is None:
         return None
-    predicate = domain.predicate_by_name.get(atom.predicate)
+    predicate = domain.predicate_by_name.get(name)
     if predicate is None:
         wanted = f"unknown predicate in the domain {domain.name}"
         # The fault concerns only the key, so the arguments are still checked.
-        faults.at(path, wanted, shown(atom.predicate), sorted(domain.predicate_by_name), key=True, sound=True)
-    elif len(atom.arguments) != len(predicate.parameters):
+        faults.at(path, wanted, shown(name), sorted(domain.predicate_by_name), key=True, sound=True)
+    elif len(arguments) != len(predicate.parameters):
         signature = ", ".join(f"{each.name} ({each.sort.name})" for each in predicate.parameters) or "none"
-        wanted, count = f"the arguments of {predicate.name} must be {signature}", len(atom.arguments)
+        wanted, count = f"the arguments of {predicate.name} must be {signature}", len(arguments)
         faults.at(path, wanted, f"{count} argument{'' if count == 1 else 's'}")
     return predicate
 

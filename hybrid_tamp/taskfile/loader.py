@@ -1,12 +1,13 @@
 """Load a task file as a task, or report all faults of the file together."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
 from hybrid_tamp.taskfile.domains import find_task_file, installed_domain
@@ -14,7 +15,7 @@ from hybrid_tamp.taskfile.entries import MidLevelEntry, RangeEntry, TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
 from hybrid_tamp.taskfile.names import check_printable
-from hybrid_tamp.taskfile.places import Faults
+from hybrid_tamp.taskfile.places import Faults, KeyPath
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.safety import read_safety
@@ -89,7 +90,7 @@ def read_task(
         domain=domain,
         tokens=tuple(scene.tokens),
         state=State.of(scene.tokens, scene.given),
-        goal=goal,
+        goal=tuple(goal),
         agents=agents,
         assignment=assignment,
         planner=file.planner,
@@ -100,10 +101,10 @@ def read_task(
         safety=file.safety,
         primitives={key: (folder / named).absolute() for key, named in file.primitives.items()},
     )
-    return _checked(task, data, faults)
+    return _checked(task, data, faults, goal)
 
 
-def _checked(task: Task, data: dict[str, Any], faults: Faults) -> Task:
+def _checked(task: Task, data: dict[str, Any], faults: Faults, goal: Mapping[Atom, KeyPath]) -> Task:
     check_bindings(task, data, faults)
     with faults.collecting(("goal",)):
         # Raises InputError if a wildcard of the goal has no value, or if the wildcards have too many combinations.
@@ -111,10 +112,9 @@ def _checked(task: Task, data: dict[str, Any], faults: Faults) -> Task:
     faults.raise_if_any()
     crowdings = [each.crowding() for each in alternatives]
     if crowdings and crowdings[0] is not None and None not in crowdings:
-        arguments = crowdings[0].atom.arguments
-        index = next((i for i, item in enumerate(data["goal"]) if tuple(*item.values()) == arguments), 0)
+        path = goal.get(crowdings[0].atom, ("goal", 0))
         wanted = "the goal must leave enough room for each body" + (", for at least one choice" * (len(crowdings) > 1))
-        faults.at(("goal", index), wanted, crowdings[0].text)
+        faults.at(path[:2], wanted, crowdings[0].text)
     faults.raise_if_any()
     return task
 

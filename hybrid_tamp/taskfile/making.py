@@ -21,7 +21,7 @@ from hybrid_tamp.taskfile.places import Faults
 def make_task(
     domain: Domain | str,
     tokens: Mapping[str, Mapping[str, Any]],
-    goal: Sequence[Atom | Mapping[str, Sequence[str]]],
+    goal: Sequence[Atom | Mapping[str, Sequence[str | Mapping[str, type[ObjectClass] | str]]]],
     *,
     agents: Mapping[str, Sequence[str]] | None = None,
     assignment: Mapping[str, str] | None = None,
@@ -41,7 +41,8 @@ def make_task(
         tokens: maps the name of each token to a mapping with its ``classes`` (names or classes), ``properties``,
             ``shape`` and ``pose``. A pose has a ``position`` [m] and ``rpy`` [rad] or ``quaternion`` x, y, z, w.
             Arrays and tuples may be used in place of lists.
-        goal: the atoms that must hold at the end. Each atom is an `Atom` or ``{predicate: [tokens]}``.
+        goal: the atoms that must hold at the end. Each atom is an `Atom` or ``{predicate: [tokens]}``. In place of a
+            token, ``{"all": CLASS}`` (a class or its name) stands for one atom per token of the class.
         agents: maps each agent to the names of its capability tokens.
         assignment: maps each token to the block in which it starts; the domain's resting block by default.
         primitives: maps each block or action to the file of a motor primitive.

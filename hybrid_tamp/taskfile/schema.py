@@ -10,6 +10,7 @@ from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import ANY, Parameter, Predicate, SymbolSort
+from hybrid_tamp.taskfile.all_members import ALL
 from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.forms import JsonObject, form_of
 from hybrid_tamp.taskfile.midlevel import Declared, names_of
@@ -61,7 +62,7 @@ def _of_domain(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) 
     return {
         "properties": {
             "tokens": {"additionalProperties": _token(domain, prefix, definitions)},
-            "goal": {"items": _atom(domain.predicates, negatable=True)},
+            "goal": {"items": _atom(domain, negatable=True)},
             "assignment": {"additionalProperties": {"anyOf": starts}},
             "safety": _safety(domain),
             "midlevel": {"properties": {"weights": weights, "hyperparameters": ranges}},
@@ -130,28 +131,35 @@ def _need(object_class: type[ObjectClass], keys: dict[str, JsonObject], required
     return {"if": contains, "then": then | ({"required": ["properties"]} if needed else {})}
 
 
-def _atom(predicates: Iterable[Predicate], *, negatable: bool) -> JsonObject:
-    predicates = tuple(predicates)
-    keys: dict[str, JsonObject] = {predicate.name: _arguments(predicate) for predicate in predicates}
+def _atom(domain: Domain, *, negatable: bool) -> JsonObject:
+    classes = tuple(known_classes(domain))
+    keys: dict[str, JsonObject] = {each.name: _arguments(each, classes) for each in domain.predicates}
     if negatable:
-        keys["not"] = {"description": "an atom that must not hold", **_atom(predicates, negatable=False)}
+        keys["not"] = {"description": "an atom that must not hold", **_atom(domain, negatable=False)}
     return {"type": "object", "minProperties": 1, "maxProperties": 1, "properties": keys, "additionalProperties": False}
 
 
-def _arguments(predicate: Predicate) -> JsonObject:
+def _arguments(predicate: Predicate, classes: Sequence[str]) -> JsonObject:
     count = len(predicate.parameters)
     return {
         "description": predicate.sentence(tuple(parameter.name for parameter in predicate.parameters)),
         "type": "array",
-        "prefixItems": [_argument(parameter) for parameter in predicate.parameters],
+        "prefixItems": [_argument(parameter, classes) for parameter in predicate.parameters],
         "minItems": count,
         "maxItems": count,
     }
 
 
-def _argument(parameter: Parameter) -> JsonObject:
+def _argument(parameter: Parameter, classes: Sequence[str]) -> JsonObject:
     if isinstance(parameter.sort, SymbolSort):
         symbols = [*parameter.sort.symbols, ANY]
         return {"enum": symbols, "description": f"{parameter.name}: a {parameter.sort.name}, or {ANY} for any"}
     description = f"{parameter.name}: a token of the class {parameter.sort.name}, or {ANY} for any"
-    return {"type": "string", "description": description}
+    members = {
+        "type": "object",
+        "description": "one atom for each token of a class",
+        "properties": {ALL: {"enum": list(classes)}},
+        "required": [ALL],
+        "additionalProperties": False,
+    }
+    return {"anyOf": [{"type": "string"}, members], "description": description}
