@@ -98,6 +98,7 @@ from hybrid_tamp.motion.minimum_jerk import minimum_jerk as minimum_jerk
 from hybrid_tamp.motion.poses import angle_about as angle_about
 from hybrid_tamp.motion.poses import cross as cross
 from hybrid_tamp.motion.poses import integrate as integrate
+from hybrid_tamp.motion.poses import normalized as normalized
 from hybrid_tamp.motion.poses import quaternion_conjugate as quaternion_conjugate
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle as quaternion_from_axis_angle
 from hybrid_tamp.motion.poses import quaternion_from_rotation_vector as quaternion_from_rotation_vector

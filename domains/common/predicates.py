@@ -23,7 +23,7 @@ from hybrid_tamp.authoring import (
 )
 
 from .classes import Region, StaticEndEffector
-from .vectors import depth_in_workspace
+from .vectors import depth_in_workspace, norm
 
 REST_SPEED = 0.02
 """Largest speed at which a token counts as at rest [m/s]."""
@@ -61,13 +61,13 @@ def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., Fl
 
     def margin(state: State, hand: Token, *values: Value) -> FloatArray:
         offset = state[hand, "position"] - place(state, hand, *values)
-        return np.asarray(tolerance - np.linalg.norm(offset, axis=-1))
+        return np.asarray(tolerance - norm(offset))
 
     return margin
 
 
 def _slowness(state: State, token: Token) -> FloatArray:
-    return np.asarray(REST_SPEED - np.linalg.norm(state[token, "velocity"], axis=-1))
+    return np.asarray(REST_SPEED - norm(state[token, "velocity"]))
 
 
 AT_REST = Predicate(
@@ -85,7 +85,7 @@ AT_REST = Predicate(
 def depth_in_region(state: State, thing: Token, region: Token) -> FloatArray:
     """Return the depth ``(...)`` [m] of an object's centre inside a region. The depth is negative outside."""
     offset = (state[thing, "position"] - state[region, "position"])[..., :2]
-    return np.asarray(region["radius"] - np.linalg.norm(offset, axis=-1))
+    return np.asarray(region["radius"] - norm(offset))
 
 
 def _distance(state: State, thing: Token, region: Token) -> FloatArray:

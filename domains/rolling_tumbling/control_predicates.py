@@ -6,7 +6,7 @@ from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicat
 
 from ..common.classes import StaticEndEffector
 from ..common.predicates import everywhere, length_predicate, one_by_one
-from ..common.vectors import UP
+from ..common.vectors import UP, norm
 from .classes import Tumblable
 from .geometry import reach_of
 from .metrics import CONTROLLED
@@ -40,12 +40,12 @@ def _size(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def _slowness(state: State, thing: Token) -> FloatArray:
-    return np.asarray(_FASTEST - np.linalg.norm(state[thing, "angular_velocity"], axis=-1))
+    return np.asarray(_FASTEST - norm(state[thing, "angular_velocity"]))
 
 
 def _clearance(state: State, hand: Token) -> FloatArray:
     position = state[hand, "position"]
-    return np.asarray(position[..., 2] - reach_of(hand, state, np.broadcast_to(UP, position.shape)))
+    return np.asarray(position[..., 2] - reach_of(hand, state, UP))
 
 
 ROUGH_ENOUGH = Predicate(

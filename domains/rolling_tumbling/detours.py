@@ -53,16 +53,15 @@ class Curve:
         phase = np.asarray(elapsed / duration)
         travelled = profile.share(phase) * self.length
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
-        low, high = self._point(index - 1), self._point(index)
-        start = np.take_along_axis(self.arcs, (index - 1)[..., None], axis=-1)[..., 0]
+        # The open grid of indices lets each member of the batch read its own curve.
+        members = np.indices(self.arcs.shape[:-1], sparse=True)
+        before, after = (*members, index - 1), (*members, index)
+        low, high, start = self.points[before], self.points[after], self.arcs[before]
         along = high - low
         span = np.linalg.norm(along, axis=-1)
         direction = along / np.maximum(span, 1e-12)[..., None]
         speed = profile.rate(phase) * self.length / duration
         return low + direction * (travelled - start)[..., None], direction * speed[..., None]
-
-    def _point(self, index: FloatArray) -> FloatArray:
-        return np.asarray(np.take_along_axis(self.points, index[..., None, None].astype(np.intp), axis=-2)[..., 0, :])
 
 
 def off_the_face(start: State, hand: Token, thing: Token) -> FloatArray:

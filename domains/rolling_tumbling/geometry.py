@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, rotate
+from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
 
-from ..common.vectors import UP, dot
+from ..common.vectors import UP, dot, norm
 
 STANDOFF = 0.03
 """Gap between an object and a hand in its standby position [m]."""
@@ -22,8 +22,8 @@ def axis(state: State, thing: Token) -> FloatArray:
 
 def heading(state: State, thing: Token) -> FloatArray:
     """Return the horizontal unit vector ``(..., 3)`` along which an object rolls, with an arbitrary sign."""
-    across = np.cross(axis(state, thing), UP)
-    length = np.linalg.norm(across, axis=-1, keepdims=True)
+    across = cross(axis(state, thing), UP)
+    length = norm(across)[..., None]
     # If the axis is vertical, LIES_ON_SIDE does not hold, but the result must stay finite.
     return np.where(length > 1e-9, across / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))
 
@@ -61,7 +61,7 @@ def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
     shape = hand.shape
     assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
     reach = max(shape.length / 2 - shape.radius, 0.0)
-    ends = np.linspace(-reach, reach, _POINTS)[:, None] * np.array([0.0, 0.0, 1.0])
+    ends = np.linspace(-reach, reach, _POINTS)[:, None] * UP
     along = axis(state, thing)[..., None, :]
     points = (
         rotate(state[hand, "orientation"][..., None, :], ends)
@@ -69,18 +69,18 @@ def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
     )
     if isinstance(thing.shape, Cylinder):
         aside = dot(points, along)
-        across = np.linalg.norm(points - aside[..., None] * along, axis=-1) - thing["radius_of_rotation"]
+        across = norm(points - aside[..., None] * along) - thing["radius_of_rotation"]
         beyond = np.abs(aside) - thing.shape.length / 2
         outside = np.hypot(np.maximum(across, 0.0), np.maximum(beyond, 0.0))
         distance = np.where((across > 0) | (beyond > 0), outside, np.maximum(across, beyond))
     else:
-        distance = np.linalg.norm(points, axis=-1) - thing["radius_of_rotation"]
+        distance = norm(points) - thing["radius_of_rotation"]
     return np.asarray(distance.min(axis=-1) - shape.radius)
 
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
     """Return the height ``(...)`` [m] of a pushing hand: the object's centre, or higher if the floor is too close."""
-    half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
+    half = reach_of(hand, state, UP)
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
 
 

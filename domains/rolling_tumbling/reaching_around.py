@@ -33,7 +33,7 @@ from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
 from ..common.primitives import profile_of, straight_profile
 from ..common.roles import MOTION, get_symbol, get_token, get_tokens
 from ..common.servos import hand_system, position_servo
-from ..common.timetable import round_up
+from ..common.timetable import Timetable, round_up
 from ..common.vectors import HORIZONTAL
 from .classes import Tumblable
 from .control_predicates import CLEAR_OF_FLOOR, HEAVY_ENOUGH, LARGE_ENOUGH, ROUGH_ENOUGH
@@ -110,12 +110,17 @@ def _follow(binding: Binding, start: State, parameters: Parameters, profile: Pro
     outward = off_the_face(start, hand, get_token(binding, "object"))
     servo = position_servo(hand)
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         position, velocity = curve.at(elapsed, duration, profile)
         aside, speed = _let_go(elapsed)
-        position, velocity = position + outward * aside, velocity + outward * speed
-        # Other hands may still move the box, so the end of the curve follows the face.
         share = profile.share(elapsed / duration)[..., None]
+        return position + outward * aside, velocity + outward * speed, share
+
+    timetable = Timetable(reference, start)
+
+    def policy(elapsed: FloatArray, state: State) -> Commands:
+        position, velocity, share = timetable(elapsed)
+        # Other hands may still move the box, so the end of the curve follows the face.
         position = position + share * (_place(binding, state) - planned)
         # A hand that leaves a face which points down must not press on the floor.
         clear = above_floor(hand, position)

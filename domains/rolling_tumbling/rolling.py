@@ -25,6 +25,7 @@ from hybrid_tamp.authoring import (
     State,
     Target,
     Token,
+    cross,
     integrate,
 )
 
@@ -157,7 +158,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         hand_velocity = hand_velocity + (np.where(touches, common, along) - along)[..., None] * direction
 
         velocity = rolling[..., None] * direction
-        spin = np.cross(np.broadcast_to(UP, direction.shape), velocity) / radius
+        spin = cross(UP, velocity) / radius
         return state.replace(
             {
                 (hand.name, "velocity"): hand_velocity,

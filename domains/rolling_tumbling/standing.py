@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, State, Token, without_rounding
+from hybrid_tamp.authoring import FloatArray, State, Token, cross, without_rounding
 
 from ..common.classes import StaticEndEffector
 from ..common.vectors import UP, dot, to_body
@@ -37,7 +37,7 @@ def _fit(state: State, thing: Token, posture: str) -> FloatArray:
         return np.asarray(FLAT_TOLERANCE - np.arccos(np.clip(-normal(state, thing, faces[0])[..., 2], -1.0, 1.0)))
     angle = tilt(state, thing, *faces) - nominal_tilt(thing, posture, *faces)
     # Both faces beside the edge must face down, so the edge must be level.
-    level = np.cross(NORMALS[faces[0]], NORMALS[faces[1]])
+    level = cross(NORMALS[faces[0]], NORMALS[faces[1]])
     heights = np.abs(dot(to_body(state, thing, UP), level))
     twist = _TWIST_TOLERANCE - np.arcsin(np.clip(heights, 0.0, 1.0))
     return np.asarray(np.minimum(_TIPPED_TOLERANCE - np.abs(angle), twist))

@@ -5,7 +5,7 @@ Vectors are in the world frame unless a name says otherwise. Batch dimensions co
 
 import numpy as np
 
-from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, rotate
+from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
 
 from ..common.vectors import UP, dot, to_body
 from .faces import NORMALS, faces_of
@@ -18,6 +18,7 @@ The value was found by experiment. With a smaller value, the tipping force is to
 lift the pivot edge.
 """
 _HIGHEST = 0.9
+_AXES = np.eye(3)
 SAG = float(np.radians(3.0))
 """Angle by which a leaning box may sink onto a hand [rad]."""
 STANDBY_GAP = 0.012
@@ -69,7 +70,7 @@ def edge_position(state: State, thing: Token, down: str, forward: str) -> FloatA
 
 def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray:
     """Return the axis ``(..., 3)`` about which the box turns over an edge, from `down` towards `forward`."""
-    return rotate(state[thing, "orientation"], np.cross(NORMALS[forward], NORMALS[down]))
+    return rotate(state[thing, "orientation"], cross(NORMALS[forward], NORMALS[down]))
 
 
 def hand_axis(state: State, hand: Token) -> FloatArray:
@@ -84,7 +85,7 @@ def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray
     `face` is measured from the edge between `face` and its lower neighbour.
     """
     along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
-    across = np.eye(3)[np.argmin(along, axis=-1)]
+    across = _AXES[np.argmin(along, axis=-1)]
     height = dot(rotate(state[thing, "orientation"], across), UP)
     return np.asarray(across * np.where(height > 0, -1.0, 1.0)[..., None])
 
@@ -95,7 +96,7 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
     below = side_below(state, hand, thing, face)
     extent = 2.0 * dot(np.abs(below), halves)
     clear = height_above_edge(hand, extent, 2.0 * half_extent(thing, face))
-    height = np.clip(clear, GRIP * extent, _HIGHEST * extent)
+    height = np.minimum(np.maximum(clear, GRIP * extent), _HIGHEST * extent)
     return np.asarray(NORMALS[face] * contact_distance(thing, face) + below * (extent / 2.0 - height)[..., None])
 
 
@@ -137,7 +138,7 @@ def above_floor(hand: Token, position: FloatArray) -> FloatArray:
 def lowest_point(state: State, thing: Token) -> FloatArray:
     """Return the height ``(...)`` [m] of the box's lowest corner."""
     halves = np.asarray(thing["half_extents"])
-    rows = [np.abs(rotate(state[thing, "orientation"], unit)[..., 2]) for unit in np.eye(3)]
+    rows = [np.abs(rotate(state[thing, "orientation"], unit)[..., 2]) for unit in _AXES]
     return np.asarray(state[thing, "position"][..., 2] - np.stack(rows, axis=-1) @ halves)
 
 
@@ -174,7 +175,7 @@ def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) ->
 
 def to_the_right(state: State, hand: Token) -> FloatArray:
     """Return the horizontal unit vector ``(..., 3)`` that points to the right of a level hand's axis."""
-    return np.asarray(np.cross(hand_axis(state, hand), UP))
+    return cross(hand_axis(state, hand), UP)
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:

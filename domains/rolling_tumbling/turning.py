@@ -21,8 +21,10 @@ from hybrid_tamp.authoring import (
     Profile,
     State,
     Token,
+    cross,
     integrate,
     minimum_jerk,
+    normalized,
     quaternion_from_axis_angle,
     quaternion_multiply,
     rotate,
@@ -31,6 +33,7 @@ from hybrid_tamp.authoring import (
 from ..common.primitives import straight_profile
 from ..common.roles import get_symbol, get_tokens
 from ..common.servos import STIFFNESS, damping, force_on
+from ..common.timetable import Timetable
 from ..common.vectors import dot, to_body
 from .faces import NORMALS, edge_between, faces_of
 from .tumbling_geometry import (
@@ -111,23 +114,28 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
         for hand, outward, gap in zip(roles.hands, normals, gaps, strict=True)
     ]
     tipped = len(faces_of(roles.outcome)) > 1
+    unit_axis = normalized(axis)
+
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
+        phase = (elapsed - CLOSING) / duration
+        spin = axis * (turn * profile.rate(phase) / duration)[..., None]
+        closed, closing = straight_profile().share(elapsed / CLOSING), straight_profile().rate(elapsed / CLOSING)
+        return closed, closing / CLOSING, phase, turn * profile.share(phase), spin
+
+    timetable = Timetable(reference, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
-        closed = straight_profile().share(elapsed / CLOSING)
-        closing = straight_profile().rate(elapsed / CLOSING) / CLOSING
-        phase = (elapsed - CLOSING) / duration
-        planned = turn * profile.share(phase)
+        closed, closing, phase, planned, spin = timetable(elapsed)
         angle = tilt(state, thing, *roles.edge)
-        behind = planned - (angle - begun)
-        turned = quaternion_from_axis_angle(axis, planned + np.clip(_CATCHING_UP * behind, -_LEAD, _LEAD))
-        spin = axis * (turn * profile.rate(phase) / duration)[..., None]
+        ahead = np.minimum(np.maximum(_CATCHING_UP * (planned - (angle - begun)), -_LEAD), _LEAD)
+        turned = quaternion_from_axis_angle(unit_axis, planned + ahead, unit=True)
         loose = np.zeros_like(phase) if tipped else _loose(phase, wanted - angle)
         grip = closed * (1.0 - loose)
         commands: Commands = {}
         for hand, arm, outward, gap, brake in hands:
             face_normal = rotate(turned, outward)
             lever = rotate(turned, arm - outward * (gap * closed)[..., None])
-            velocity = np.cross(spin, lever) - face_normal * (gap * closing)[..., None]
+            velocity = cross(spin, lever) - face_normal * (gap * closing)[..., None]
             push = STIFFNESS * (pivot + lever - state[hand, "position"]) - face_normal * (squeeze * grip)[..., None]
             braking = brake * (velocity - state[hand, "velocity"])
             commands[hand.name, "force"] = _loosened(push, face_normal, hand, 1.0 - loose) + braking
@@ -194,12 +202,12 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
     def system(state: State, commands: Commands, dt: float) -> State:
         pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
         arm = state[thing, "position"] - pivot
-        inertia, moment, touching = own_inertia, dot(np.cross(arm, weight), axis), np.asarray(True)
+        inertia, moment, touching = own_inertia, dot(cross(arm, weight), axis), np.asarray(True)
         for hand, face in hands:
             lever = state[hand, "position"] - pivot
             touching = touching & (_gap(state, hand, thing, face) <= _TOUCH)
             inertia = inertia + hand["mass"] * dot(lever, lever)
-            moment = moment + dot(np.cross(lever, force_on(hand, state, commands)), axis)
+            moment = moment + dot(cross(lever, force_on(hand, state, commands)), axis)
         speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
         angle = tilt(state, thing, *roles.edge)
         after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
@@ -219,7 +227,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
         changes[thing.name, "position"] = pivot + rotate(turned, arm)
         changes[thing.name, "angular_velocity"] = spin * still
-        changes[thing.name, "velocity"] = np.cross(spin, arm) * still
+        changes[thing.name, "velocity"] = cross(spin, arm) * still
         return state.replace(changes)
 
     return system

@@ -2,9 +2,10 @@
 
 import logging
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,12 +17,28 @@ from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.physics.protocol import Backend
+from hybrid_tamp.physics.protocol import Backend, ContactForce
 
 NOTEWORTHY = 0.1
 """A warning is logged if a command is limited in at least this share of an instance's control steps."""
 
 _logger = logging.getLogger(__name__)
+
+
+class Period(NamedTuple):
+    """One control period.
+
+    Attributes:
+        state: state at the end of the period, shape ``(n,)``.
+        row: limited commands, shape ``(m,)``.
+        cut: pair of (token, action) for each command that was limited.
+        contacts: contact forces during the period.
+    """
+
+    state: State
+    row: FloatArray
+    cut: tuple[Key, ...]
+    contacts: Sequence[ContactForce]
 
 
 class Logbook:
@@ -70,6 +87,11 @@ class Logbook:
         return self.steps * self._backend.timestep
 
     @property
+    def last_state(self) -> State:
+        """The last recorded state, shape ``(n,)``."""
+        return State(self._task.state.layout, self._states[-1])
+
+    @property
     def step_index(self) -> int:
         """Index of the current step: one plus the number of distinct times at which instances have ended."""
         return 1 + len({instance.end for instance in self._instances})
@@ -78,36 +100,30 @@ class Logbook:
         """Record the initial state, shape ``(n,)``."""
         self._states.append(state.values)
 
-    def record_step(self, state: State, row: FloatArray, cut: tuple[Key, ...], running: Iterable[Running]) -> float:
-        """Record one control period and return the simulated time at its end [s].
-
-        `state`, with shape ``(n,)``, is the state at the end of the period. `row`, with shape ``(m,)``, contains the
-        limited commands. `cut` contains a pair of (token, action) for each command that was limited.
-        """
-        self._states.append(state.values)
-        self._commands.append(row)
-        within = {token: one.instance.name for one in running for token in one.instance.slots.values()}
-        self._cuts.update((within[key[0]], key) for key in cut if key[0] in within)
-        return self.time
-
-    def record_contacts(self, within: Mapping[str, str], rules: ContactRules) -> Contact | None:
-        """Record the largest contact force of each pair of tokens in each pair of instances.
+    def record_step(self, period: Period, within: Mapping[str, str], rules: ContactRules) -> Contact | None:
+        """Record one control period, with the largest contact force of each pair of tokens in each pair of instances.
 
         Args:
-            within: maps each token to the name of its instance during the last control period.
+            period: the control period.
+            within: maps each token to the name of its instance during the control period.
             rules: the contacts that these instances allow.
 
         Returns:
-            The contact of the last control period that is not allowed and has the largest force; None if there is none.
+            The contact of the control period that is not allowed and has the largest force; None if there is none.
         """
+        self._states.append(period.state.values)
+        self._commands.append(period.row)
+        self._cuts.update((within[key[0]], key) for key in period.cut if key[0] in within)
         worst: Contact | None = None
-        for one, other, force in self._backend.contact_forces():
+        for one, other, force in period.contacts:
             tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))
-            contact = Contact(tokens, instances, force, self.time, rules.allow(one, other))
-            known = self._contacts.get((tokens, instances))
+            known, allowed = self._contacts.get((tokens, instances)), rules.allow(one, other)
+            if allowed and known is not None and force <= known.force:
+                continue
+            contact = Contact(tokens, instances, force, self.time, allowed)
             if known is None or force > known.force:
                 self._contacts[tokens, instances] = contact
-            if not contact.allowed and (worst is None or force > worst.force):
+            if not allowed and (worst is None or force > worst.force):
                 worst = contact
         return worst
 

@@ -8,30 +8,30 @@ A reassignment is due once the preceding events have happened and the maximum du
 finish first are over. The run fails if the reassignment has not happened `PATIENCE` seconds later, so every run ends.
 """
 
-import logging
 from collections.abc import Callable, Collection, Iterable
 from copy import copy
 
 import numpy as np
 
+from hybrid_tamp.errors import DomainError
+from hybrid_tamp.execution.ending import record_end, record_failure
 from hybrid_tamp.execution.events import Event, Observer
-from hybrid_tamp.execution.logbook import Logbook
+from hybrid_tamp.execution.logbook import Logbook, Period
 from hybrid_tamp.execution.monitors import Monitors
+from hybrid_tamp.execution.pending import PendingEvents
 from hybrid_tamp.execution.running_instance import (
     RunError,
     Running,
     blame_state,
     blame_waiting,
     command_instances,
-    describe_shortfall,
     measure_conditions,
-    measure_goal,
 )
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
-from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
-from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
+from hybrid_tamp.model.reassignment import Reassignment, initial
+from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 
@@ -44,8 +44,6 @@ SETTLING = 0.5
 """Minimum duration of the last instances [s], so that the run measures whether tokens stay at rest."""
 _PROGRESS_STEPS = 24
 
-_logger = logging.getLogger(__name__)
-
 
 class Run:
     """One execution of a plan."""
@@ -57,11 +55,10 @@ class Run:
         self._observer: Observer = observer or (lambda event: None)
         self._layout = CommandLayout.of(task)
         self._log = Logbook(task, self._layout, backend)
-        self._pending = dict(enumerate(reassignments(task, plan)))
-        self._enabled_at = {index: 0.0 for index, event in self._pending.items() if not event.after}
+        self._pending = PendingEvents(task, plan)
         self._running: dict[str, Running] = {}
-        self._time = 0.0
-        self._state = task.state
+        self._steps, self._time, self._state = 0, 0.0, task.state
+        self._monitors = Monitors(task, ())
         self._ended = False
         self._error: RunError | None = None
 
@@ -79,18 +76,36 @@ class Run:
             LimitReached: the deadline passes.
         """
         try:
-            if not self._log.started:
-                self._start()
-            while not (self._over or self._might_begin(before)):
-                self._carry_out_events()
-                if self._over or (until is not None and self._log.has_ended(until)):
-                    return
-                self._deadline.check()
-                self._step()
-                if progress is not None and self._log.steps % _PROGRESS_STEPS == 0:
-                    progress(self._time, self._plan.makespan)
+            try:
+                self._go_on(before, until, progress)
+            except (RunError, DomainError):
+                self._settle()  # An earlier fault takes precedence.
+                raise
+            self._settle()
         except RunError as error:
             self._error = error
+
+    def _go_on(self, before: Collection[str], until: str | None, progress: Progress | None) -> None:
+        if not self._log.started:
+            self._start()
+        while not (self._over or self._might_begin(before)):
+            self._carry_out_events()
+            if self._over or (until is not None and self._log.has_ended(until)):
+                return
+            self._deadline.check()
+            self._step()
+            if progress is not None and self._steps % _PROGRESS_STEPS == 0:
+                progress(self._time, self._plan.makespan)
+
+    def _settle(self) -> None:
+        """Check the last control periods and record them. If one has a fault, go back to it and raise it."""
+        try:
+            self._monitors.settle(self._log)
+        except RunError:
+            self._time, self._state = self._log.time, self._log.last_state
+            for running in self._running.values():
+                running.forget_after(self._time)
+            raise
 
     def branch(self, plan: TaskPlan) -> "Run":
         """Return a copy of the run that continues with another plan. The caller must restore the backend's state.
@@ -99,18 +114,18 @@ class Run:
         """
         other = copy(self)
         other._plan = plan
-        events = reassignments(self._task, plan)
-        other._pending = {index: events[index] for index in self._pending}
-        other._enabled_at = dict(self._enabled_at)
+        other._pending = self._pending.with_plan(plan)
         other._running = {name: copy(running) for name, running in self._running.items()}
         other._log = self._log.copy()
+        other._monitors = Monitors(self._task, other._running.values())
         return other
 
     def make_recording(self) -> Recording:
         """Return the recording so far. The goal is measured only if the run has ended or failed."""
+        known = (self._task, self._state, self._log, self._observer)
         if self._error is not None:
-            return self._record_failure(self._error)
-        return self._record_end() if self._ended else self._log.make_recording((), None)
+            return record_failure(*known, self._plan, self._error, self._end_all)
+        return record_end(*known) if self._ended else self._log.make_recording((), None)
 
     @property
     def _over(self) -> bool:
@@ -124,9 +139,8 @@ class Run:
     def _might_begin(self, names: Collection[str]) -> bool:
         """Return whether one of the named instances might begin now, because all instances that it replaces can end."""
         return any(
-            any(instance.name in names for instance in self._pending[index].starting)
-            and self._are_ready(self._pending[index].ending)
-            for index in self._enabled_at
+            any(instance.name in names for instance in event.starting) and self._are_ready(event.ending)
+            for _, event in self._pending.enabled
         )
 
     def _are_ready(self, names: Iterable[str]) -> bool:
@@ -137,8 +151,7 @@ class Run:
         for running in self._running.values():
             if running.reached is None:  # `is_ready` records when the exit conditions first hold
                 running.is_ready(self._time, self._state)
-        for index in sorted(self._enabled_at):
-            event = self._pending[index]
+        for index, event in self._pending.enabled:
             if self._can_happen(event):
                 self._carry_out(index, event)
             else:
@@ -157,6 +170,7 @@ class Run:
         )
 
     def _carry_out(self, index: int, event: Reassignment) -> None:
+        self._settle()
         names = tuple(instance.name for instance in event.starting)
         if not event.final:
             self._observer(Event(self._time, "reassignment", ending=event.ending, starting=names))
@@ -165,11 +179,7 @@ class Run:
         self._begin(event.starting)
         self._ended = event.final
         self._log.last_event = self._time
-        del self._pending[index], self._enabled_at[index]
-        # Later events are enabled from the next step on, so ordered events never happen at the same time.
-        for other, later in self._pending.items():
-            if other not in self._enabled_at and not later.after & self._pending.keys():
-                self._enabled_at[other] = self._time
+        self._pending.remove(index, self._time)
 
     def _check_wait(self, index: int, event: Reassignment) -> None:
         """Check that an event is not overdue.
@@ -177,9 +187,12 @@ class Run:
         Raises:
             RunError: the reassignment has been due for more than `PATIENCE`.
         """
-        if self._time <= self._enabled_at[index] + PATIENCE:
+        if self._time <= self._pending.enabled_at(index) + PATIENCE:
             return
-        due = max(self._enabled_at[index], *(self._running[name].latest for name in self._awaited(event))) + PATIENCE
+        due = (
+            max(self._pending.enabled_at(index), *(self._running[name].latest for name in self._awaited(event)))
+            + PATIENCE
+        )
         if self._time <= due:
             return
         missing = [(name, m) for name in event.ending for m in self._running[name].measure_exits(self._state)]
@@ -211,6 +224,10 @@ class Run:
         self._log.record_end(running, self._time, margins)
         self._observer(Event(self._time, "end", running.instance, hyperparameters=values, margins=margins))
 
+    def _end_all(self) -> None:
+        for running in list(self._running.values()):
+            self._end(running)
+
     def _entries(self, instance: BlockInstance) -> list[AtomMargin]:
         entries = self._task.domain.block_by_name[instance.block].measured_entries
         return measure_conditions(self._task, entries, instance, self._state)
@@ -226,23 +243,8 @@ class Run:
         after = self._backend.step(self._layout.commands(row))
         if not np.isfinite(after.values).all():
             raise blame_state(after, self._running.values(), self._time)
-        self._state = after
-        self._time = self._log.record_step(after, row, cut, self._running.values())
-        self._monitors.check(self._log, after)
-
-    def _record_failure(self, error: RunError) -> Recording:
-        step = self._log.step_index
-        for running in list(self._running.values()):
-            self._end(running)
-        failure = Failure(step, error.instance, error.reason, error.margins, error.contact)
-        failed = next((i for i in self._plan.instances if i.name == error.instance), None)
-        self._observer(Event(self._time, "failure", failed, margins=error.margins, reason=error.reason))
-        _logger.warning("step %d failed: %s", step, error.reason)
-        return self._log.make_recording(measure_goal(self._task, self._state), failure)
-
-    def _record_end(self) -> Recording:
-        goal = measure_goal(self._task, self._state)
-        self._observer(Event(self._time, "goal", margins=goal))
-        for margin in (each for each in goal if not each.holds):
-            _logger.warning("the run did not reach the goal: %s", describe_shortfall(margin))
-        return self._log.make_recording(goal, None)
+        self._steps += 1
+        self._state, self._time = after, self._steps * self._backend.timestep
+        self._monitors.add(Period(after, row, cut, self._backend.contact_forces()))
+        if self._monitors.full:
+            self._settle()

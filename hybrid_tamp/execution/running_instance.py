@@ -104,6 +104,12 @@ class Running:
                 self.reached = time
         return self._holds
 
+    def forget_after(self, time: float) -> None:
+        """Forget that the exit conditions held for the first time, if this was after a time [s]."""
+        if self.reached is not None and self.reached > time:
+            self.reached = None
+        self._asked = -math.inf
+
     def _all_hold(self, state: State) -> bool:
         for literal in self._in_turn:
             if not float(literal.margin(state, self._binding)) >= 0:

@@ -6,7 +6,7 @@ Positive exit conditions are add effects, and negative exit conditions are delet
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
@@ -169,17 +169,17 @@ class Block:
         """Slots of the block except the anchor, in order."""
         return tuple(slot for slot in self.slots if slot.name != self.anchor)
 
-    @property
+    @cached_property
     def measured_exits(self) -> tuple[Literal, ...]:
         """Exit conditions without wildcards. Only conditions without wildcards have a margin."""
         return _measurable(self.exit)
 
-    @property
+    @cached_property
     def measured_entries(self) -> tuple[Literal, ...]:
         """Entry conditions whose margins are measured when an instance starts."""
         return _measurable(self.changing_entry)
 
-    @property
+    @cached_property
     def posed_entries(self) -> tuple[Literal, ...]:
         """Feasibility conditions on poses, which earlier blocks of a plan may have changed."""
         return tuple(c for c in self.static_entry if c.predicate.reads and not c.predicate.at_start)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -50,8 +51,9 @@ class CommandLayout(Layout):
             CommandError: if a command has an unknown token or action, or a wrong size.
         """
         row = np.zeros(self.size)
+        slices = self.slices
         for key, command in commands.items():
-            columns = self.slices.get(key)
+            columns = slices.get(key)
             if columns is None:
                 known = ", ".join(f"{action} on {token}" for token, action in self.slices)
                 raise CommandError(f"cannot command {key[1]} on {key[0]}; available: {known or 'none'}")
@@ -68,7 +70,7 @@ class CommandLayout(Layout):
             The row with scaled commands, and the keys of the commands that were scaled.
         """
         cut: list[Key] = []
-        for key, norm, limit in self._norms(row):
+        for key, norm, limit in self._norms(row.tolist()):
             if norm > limit:
                 if not cut:
                     row = row.copy()
@@ -83,15 +85,19 @@ class CommandLayout(Layout):
             CommandError: if a command is unknown, of a wrong size, not finite or above its limit.
         """
         row = self.row(commands)
-        for key, norm, limit in self._norms(row):
+        for key, norm, limit in self._norms(row.tolist()):
             if not math.isfinite(norm):
                 raise CommandError(f"command {key[1]} on {key[0]} must be finite, got {norm:g}")
             if norm > limit * (1 + _ROUNDING):
                 raise CommandError(f"command {key[1]} on {key[0]} must not exceed its limit of {limit:g}, got {norm:g}")
         return row
 
-    def _norms(self, row: FloatArray) -> list[tuple[Key, float, float]]:
-        return [
-            (key, math.hypot(*row[columns].tolist()), limit)
-            for (key, columns), limit in zip(self.slices.items(), self.limits, strict=True)
-        ]
+    def _norms(self, row: list[float]) -> list[tuple[Key, float, float]]:
+        # Plain numbers are faster than arrays of three numbers.
+        return [(key, math.hypot(*row[columns]), limit) for key, columns, limit in self._bounded]
+
+    @cached_property
+    def _bounded(self) -> tuple[tuple[Key, slice, float], ...]:
+        return tuple(
+            (key, columns, limit) for (key, columns), limit in zip(self.slices.items(), self.limits, strict=True)
+        )

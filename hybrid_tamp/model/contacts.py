@@ -54,6 +54,7 @@ class ContactRules:
         """
         self._pairs: set[frozenset[str]] = set()
         self._groups: dict[tuple[str, str], set[str]] = {}
+        self._known: dict[tuple[str, str], bool] = {}
         for instance in running:
             named = {FLOOR: FLOOR, **instance.roles}
             for one, other in blocks[instance.block].allowed_contacts:
@@ -64,5 +65,9 @@ class ContactRules:
 
     def allow(self, one: str, other: str) -> bool:
         """Return whether two tokens, or a token and `FLOOR`, may touch."""
-        pair = frozenset((one, other))
-        return pair in self._pairs or any(pair <= group for group in self._groups.values())
+        allowed = self._known.get((one, other))
+        if allowed is None:
+            pair = frozenset((one, other))
+            allowed = pair in self._pairs or any(pair <= group for group in self._groups.values())
+            self._known[one, other] = allowed
+        return allowed

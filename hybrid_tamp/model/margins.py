@@ -95,6 +95,10 @@ def evaluate_margin(predicate: Margin, state: State, values: Sequence[Token | st
     """
     try:
         margin = predicate.margin(state, *values, **predicate.keywords)
+        if state.values.ndim == 1 and np.shape(margin) == ():
+            # In runs, margins of single states are computed in every control period, and plain numbers are faster.
+            number = float(margin)
+            return np.asarray(0.0 if abs(number) <= ROUNDING * predicate.scale else number)
         without = without_rounding(margin, predicate.scale)
     except OWN_ERRORS:
         raise

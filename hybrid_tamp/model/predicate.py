@@ -6,6 +6,7 @@ during execution, the goal and the optimiser's constraint term. So symbolic and 
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -163,7 +164,7 @@ class Predicate:
         names = [parameter.name for parameter in self.parameters]
         return names.index(self.value_of) if self.value_of is not None else None
 
-    @property
+    @cached_property
     def keywords(self) -> dict[str, float]:
         """Keyword arguments of `margin`, `share` and `bound`: the safety factor, or none without a safety factor."""
         return {} if self.safety is None else {"factor": self.safety.factor}
@@ -217,8 +218,7 @@ class Literal:
 
     def margin(self, state: State, binding: Mapping[str, Value]) -> FloatArray:
         """Return the signed margin, shape ``(...)``. For a negative literal, the margin of the predicate is negated."""
-        values = [binding.get(argument, argument) for argument in self.arguments]
-        margin = self.predicate.evaluate(state, *values)
+        margin = self.predicate.evaluate(state, *[binding.get(argument, argument) for argument in self.arguments])
         return margin if self.positive else -margin
 
 

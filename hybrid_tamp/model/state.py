@@ -30,7 +30,7 @@ class Layout:
             start += size
         return found
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Length of the last axis of the flat array."""
         return sum(size for _, _, size in self.entries)

@@ -118,12 +118,13 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
     return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
 
 
-def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
+def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike, *, unit: bool = False) -> FloatArray:
     """Return the rotations about given axes by given angles (Sola 2017, Eq. 101).
 
     Args:
         axis: rotation axes of any non-zero length, shape ``(..., 3)``.
         angle: rotation angles [rad], shape ``(...)``.
+        unit: whether the axes have unit length. They are then not normalised, which takes most of the time.
 
     Returns:
         Unit quaternions, with the broadcast shape ``(..., 4)``.
@@ -131,10 +132,11 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if an axis is zero or not finite, or if the last dimension of the axes is not 3.
     """
-    unit_axis = normalized(_array(axis, 3, "axis"))
+    unit_axis = _array(axis, 3, "axis") if unit else normalized(_array(axis, 3, "axis"))
     half_angle = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
-    vector = np.sin(half_angle) * unit_axis
-    scalar = np.broadcast_to(np.cos(half_angle), (*vector.shape[:-1], 1))
+    vector, scalar = np.sin(half_angle) * unit_axis, np.cos(half_angle)
+    if scalar.ndim != vector.ndim or scalar.shape[:-1] != vector.shape[:-1]:
+        scalar = np.broadcast_to(scalar, (*vector.shape[:-1], 1))
     return np.concatenate([vector, scalar], axis=-1)
 
 

@@ -120,17 +120,19 @@ def test_a_block_may_allow_a_contact(toys: Any) -> None:
         assert allowed or recording.failure.reason.startswith("pusher and the floor touched with ")
 
 
+NEAR_START = Predicate(
+    "near_start",
+    (Parameter("pusher", TOKEN),),
+    lambda state, pusher: 0.1 - np.abs(state[pusher, "position"][..., 0]),
+    unit="m",
+    scale=0.01,
+    reads={"pusher": ("position",)},
+    denial="{pusher} is far from its start",
+)
+
+
 def test_an_invariant_that_is_violated_fails_the_run(toys: Any) -> None:
-    near_start = Predicate(
-        "near_start",
-        (Parameter("pusher", TOKEN),),
-        lambda state, pusher: 0.1 - np.abs(state[pusher, "position"][..., 0]),
-        unit="m",
-        scale=0.01,
-        reads={"pusher": ("position",)},
-        denial="{pusher} is far from its start",
-    )
-    task = toys.one_move_task(invariants=(near_start("pusher"),))
+    task = toys.one_move_task(invariants=(NEAR_START("pusher"),))
     recording = run(task, toys.one_move())
     assert recording.failure is not None
     assert recording.failure.instance == "MOVING-1"
@@ -138,6 +140,23 @@ def test_an_invariant_that_is_violated_fails_the_run(toys: Any) -> None:
     [margin] = recording.failure.margins
     # The tolerance is half the scale. A control period adds little.
     assert -0.012 < margin.measured < -0.005
+
+
+def test_a_run_ends_in_the_period_of_the_fault_no_matter_how_many_periods_are_checked_together(
+    toys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Exit conditions that hold only after the fault must not count, and later contacts must not be recorded."""
+    task = toys.one_move_task(invariants=(NEAR_START("pusher"),))
+    pushed, plan = pushing_at_a_post(toys)
+    found = []
+    for chunk in (1, 7, 1000):
+        monkeypatch.setattr("hybrid_tamp.execution.monitors.CHUNK", chunk)
+        with open_backend("pybullet") as backend:
+            found.append((run(task, toys.one_move()), execute(pushed, plan, backend)))
+    for one, other in zip(found[0] * 2, (*found[1], *found[2]), strict=True):
+        assert (one.failure, one.instances, one.contacts) == (other.failure, other.instances, other.contacts)
+        assert np.array_equal(one.states, other.states)
+        assert np.array_equal(one.commands, other.commands)
 
 
 def test_a_block_ends_when_its_exit_is_measured_not_when_it_was_planned(toys: Any) -> None:

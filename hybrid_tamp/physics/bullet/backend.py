@@ -63,7 +63,12 @@ class BulletBackend(Client):
         self._has_compounds = any(is_compound(body.shape, rolls=not body.driven) for body in scene)
         for token, handle in self._handles.items():
             self._place(handle, token, state)
-        self._names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
+        names = {handle: token for token, handle in self._handles.items()} | {floor: FLOOR}
+        self._pairs: dict[tuple[int, int], Pair] = {
+            (one, other): (min(names[one], names[other]), max(names[one], names[other]))
+            for one in names
+            for other in names
+        }
         self._windows, self._within = ContactWindows(), {}
         slices = state.layout.slices
         self._index = np.array(
@@ -168,18 +173,22 @@ class BulletBackend(Client):
     def _sum_contacts(self) -> dict[Pair, float]:
         """Return the total normal force of each pair of tokens in the last substep [N]."""
         sums: dict[Pair, float] = {}
+        pairs = self._pairs
         for point in pybullet.getContactPoints(physicsClientId=self._client):
-            one, other = self._names[point[1]], self._names[point[2]]
-            pair = (one, other) if one < other else (other, one)
+            pair = pairs[point[1], point[2]]
             sums[pair] = sums.get(pair, 0.0) + point[9]
         return sums
 
     def _measure(self) -> list[float]:
         measured: list[float] = []
+        client = self._client
         for handle in self._handles.values():
-            position, orientation = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self._client)
-            velocity, angular_velocity = pybullet.getBaseVelocity(handle, physicsClientId=self._client)
-            measured += (*position, *orientation, *velocity, *angular_velocity)
+            for vectors in (
+                pybullet.getBasePositionAndOrientation(handle, physicsClientId=client),
+                pybullet.getBaseVelocity(handle, physicsClientId=client),
+            ):
+                for vector in vectors:
+                    measured += vector
         return measured
 
     def _place(self, handle: int, token: str, state: State) -> None:

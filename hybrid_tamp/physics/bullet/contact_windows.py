@@ -15,8 +15,10 @@ WINDOW = 0.01
 """Length of the window [s]."""
 _WHOLE = int(WINDOW / SUBSTEP)
 """Number of whole substeps in a window."""
-_REST = WINDOW / SUBSTEP - _WHOLE
-"""Share of one more substep in a window."""
+_LEFT_OUT = 1.0 - (WINDOW / SUBSTEP - _WHOLE)
+"""Share of the oldest recorded substep that is not in a window."""
+_AVERAGE = SUBSTEP / WINDOW
+"""Factor that converts the sum of the forces in a window to their average."""
 
 
 class ContactWindows:
@@ -44,17 +46,23 @@ class ContactWindows:
         Args:
             forces: maps each pair of bodies in contact to its normal force [N].
         """
-        for pair in self._windows.keys() - forces.keys():
-            self._windows[pair].append(0.0)
-            if not any(self._windows[pair]):
-                del self._windows[pair]
+        windows, largest = self._windows, self._largest
         for pair, force in forces.items():
-            window = self._windows.setdefault(pair, deque(maxlen=_WHOLE + 1))
+            if (window := windows.get(pair)) is None:
+                window = windows[pair] = deque(maxlen=_WHOLE + 1)
             window.append(force)
-        for pair, window in self._windows.items():
-            left_out = (1.0 - _REST) * window[0] if len(window) > _WHOLE else 0.0
-            force = (sum(window) - left_out) * (SUBSTEP / WINDOW)
-            self._largest[pair] = max(force, self._largest.get(pair, 0.0))
+        if len(windows) > len(forces):
+            for pair in windows.keys() - forces.keys():
+                windows[pair].append(0.0)
+                if not any(windows[pair]):
+                    del windows[pair]
+        for pair, window in windows.items():
+            left_out = _LEFT_OUT * window[0] if len(window) > _WHOLE else 0.0
+            force = (sum(window) - left_out) * _AVERAGE
+            if force > largest.get(pair, 0.0):
+                largest[pair] = force
+            else:
+                largest.setdefault(pair, 0.0)
 
     def empty(self, tokens: Collection[str]) -> None:
         """Empty the windows of all pairs with one of these tokens."""

@@ -25,6 +25,9 @@ from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, 
 from hybrid_tamp.physics.bullet.grip import Contact, Grasp, Side
 from hybrid_tamp.physics.scene import FORCE, TORQUE, Body
 
+_ANYWHERE = (0.0, 0.0, 0.0)
+"""Point at which the force on a hand without a wrist acts. The hand cannot turn, so the point has no influence."""
+
 
 @dataclass
 class Drive:
@@ -59,11 +62,11 @@ class Drive:
 
     def apply(self) -> None:
         """Apply the force and the torque for one substep. The force acts at the centre, so it causes no rotation."""
-        centre, _ = pybullet.getBasePositionAndOrientation(self.handle, physicsClientId=self.client)
-        frame = pybullet.WORLD_FRAME
-        pybullet.applyExternalForce(self.handle, -1, self._force, centre, frame, physicsClientId=self.client)
+        handle, client, frame, centre = self.handle, self.client, pybullet.WORLD_FRAME, _ANYWHERE
         if self._torque:
-            pybullet.applyExternalTorque(self.handle, -1, self._torque, frame, physicsClientId=self.client)
+            centre, _ = pybullet.getBasePositionAndOrientation(handle, physicsClientId=client)
+            pybullet.applyExternalTorque(handle, -1, self._torque, frame, physicsClientId=client)
+        pybullet.applyExternalForce(handle, -1, self._force, centre, frame, physicsClientId=client)
 
 
 @dataclass

@@ -41,12 +41,12 @@ class Impacts:
         """
         if not self._tokens:
             return
-        counted = {
-            pair: force for pair, force in forces.items() if FLOOR not in pair and not self._tokens.isdisjoint(pair)
-        }
-        self._windows = {pair: self._windows.get(pair, deque(maxlen=SUBSTEPS)) for pair in counted}
-        for pair, force in counted.items():
-            window = self._windows[pair]
+        before, self._windows = self._windows, {}
+        for pair, force in forces.items():
+            if FLOOR in pair or self._tokens.isdisjoint(pair):
+                continue
+            window = before.get(pair) or deque(maxlen=SUBSTEPS)
+            self._windows[pair] = window
             window.append(force * SUBSTEP)
             for token in self._tokens.intersection(pair):
                 self._hardest[token] = max(sum(window), self._hardest.get(token, 0.0))
