@@ -5,6 +5,8 @@
     HybridTampError                 exit status
     ├── InputError                  30   the input is wrong; `issues` lists every fault
     │   └── DomainError             30   a domain is contradictory, or a function of the domain fails
+    │       ├── ShapeError          30   a function of the domain returns an array of the wrong shape
+    │       └── ForeignCommand      30   a policy commands a token that is in no slot of its block
     ├── NoPlan                  10, 11   the task is proven unsolvable (10), or no plan was found (11)
     ├── LimitReached                20   a time or memory limit was reached
     ├── ExecutionFailed             40   the plan was executed but the goal was not reached
@@ -80,6 +82,14 @@ class InputError(HybridTampError):
 
 class DomainError(InputError):
     """Error for a domain with contradictory declarations, or with a function that fails or returns a wrong result."""
+
+
+class ShapeError(DomainError):
+    """Error for a function of a domain that returns an array of the wrong shape."""
+
+
+class ForeignCommand(DomainError):
+    """Error for a policy that commands a token that is in no slot of its block, or an action that the token lacks."""
 
 
 class NoPlan(HybridTampError):

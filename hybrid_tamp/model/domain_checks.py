@@ -86,7 +86,8 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
         for h in block.hyperparameters:
             if not h.lower <= h.upper:
                 wanted = "the lower bound must not exceed the upper bound"
-                yield Issue(f"{block.name}.{h.name}", wanted, f"[{h.lower}, {h.upper}]")
+                came, remedy = f"[{h.lower}, {h.upper}] {h.unit}", "exchange the bounds"
+                yield Issue(f"{block.name}.{h.name}", wanted, came, remedy=remedy)
         for role in sorted({role for pair in block.allowed_contacts for role in pair} - {*names, FLOOR}):
             wanted = "allowed_contacts must name slots, targets or FLOOR"
             yield Issue(f"{block.name}.allowed_contacts", wanted, repr(role), (*names, FLOOR))

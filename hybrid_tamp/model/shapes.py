@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.errors import DomainError, Issue
+from hybrid_tamp.errors import ForeignCommand, Issue, ShapeError
 from hybrid_tamp.model.authored import describe_roles
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -27,12 +27,12 @@ def check_shape(where: str, values: Mapping[str, Token | str], found: ArrayLike,
         wanted: shape that the result must have.
 
     Raises:
-        DomainError: the result has another shape.
+        ShapeError: the result has another shape.
     """
     shape = np.shape(found)
     if shape != wanted:
         said = f"the result must have the shape {wanted}{describe_roles(values)}"
-        raise DomainError([Issue(where, said, str(shape), remedy=_REMEDY)])
+        raise ShapeError([Issue(where, said, str(shape), remedy=_REMEDY)])
 
 
 def check_commands(
@@ -52,13 +52,14 @@ def check_commands(
         state: state for which the policy was called.
 
     Raises:
-        DomainError: a command has the wrong shape, or no token of the block has the action.
+        ShapeError: a command has the wrong shape.
+        ForeignCommand: no token of the block has the action.
     """
     for (token, action), command in commands.items():
         if (token, action) not in sizes:
             wanted = "each command of a policy must be an action of a token in a slot of the block"
             have = ", ".join(f"{name} of {owner}" for owner, name in sizes) or "none"
-            raise DomainError([Issue(where, wanted, f"{action} of {token}", remedy=f"the actions are {have}")])
+            raise ForeignCommand([Issue(where, wanted, f"{action} of {token}", remedy=f"the actions are {have}")])
         shape = (*state.values.shape[:-1], sizes[token, action])
         if np.shape(command) != shape:
             check_shape(f"{where}, {action} of {token}", values, command, shape)
@@ -80,7 +81,7 @@ def check_initial_value(
         initial: function that returns the initial value for a state.
 
     Raises:
-        DomainError: the value has the wrong shape.
+        ShapeError: the value has the wrong shape.
     """
     batch = state.values.shape[:-1]
     if np.shape(value) == () and batch:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.model.token import Token, UnknownProperty, UnknownToken
+from hybrid_tamp.model.token import Token, UnknownProperty, UnknownTarget, UnknownToken
 from hybrid_tamp.motion.arrays import FloatArray
 
 
@@ -78,18 +78,29 @@ class State:
         try:
             return self.values[..., self.layout.slices[owner, name]]
         except KeyError:
-            known = [varying for each, varying, _ in self.layout.entries if each == owner]
-            if not known:
-                owners = dict.fromkeys(each for each, _, _ in self.layout.entries)
-                raise UnknownToken(owner, name, owners) from None
-            raise UnknownProperty(owner, name, known) from None
+            raise self._unknown(owner, name, UnknownToken) from None
 
     def replace(self, changes: Mapping[tuple[str, str], ArrayLike]) -> "State":
-        """Return a copy with new values for pairs of (token, property). Each value is broadcast to ``(..., size)``."""
+        """Return a copy with new values for pairs of (token, property). Each value is broadcast to ``(..., size)``.
+
+        Raises:
+            UnknownProperty: the state does not contain the token or the property.
+        """
         values = self.values.copy()
         for key, value in changes.items():
-            values[..., self.layout.slices[key]] = value
+            try:
+                columns = self.layout.slices[key]
+            except KeyError:
+                raise self._unknown(*key, UnknownTarget) from None
+            values[..., columns] = value
         return State(self.layout, values)
+
+    def _unknown(self, owner: str, name: str, error: type[UnknownToken]) -> UnknownProperty:
+        """Return the error for a token or property that the state does not contain."""
+        known = [varying for each, varying, _ in self.layout.entries if each == owner]
+        if known:
+            return UnknownProperty(owner, name, known)
+        return error(owner, name, dict.fromkeys(each for each, _, _ in self.layout.entries))
 
     def repeated(self, count: int) -> "State":
         """Return a state with `count` copies of this state along a new leading batch axis."""

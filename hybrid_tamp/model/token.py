@@ -51,6 +51,10 @@ class UnknownToken(UnknownProperty):
         self._message = f"{token} has no property {name!r} in this state, which contains only {known}"
 
 
+class UnknownTarget(UnknownToken):
+    """Error for a new value for a token that a state does not contain."""
+
+
 def _declarations(object_class: type[ObjectClass]) -> dict[str, dict[str, str]]:
     """Return the content of each declaration of a class. Classes that share a declaration must agree on its content."""
     found = {f"property {name!r}": _describe(field) for name, field in object_class.model_fields.items()}

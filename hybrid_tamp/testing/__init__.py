@@ -5,3 +5,5 @@ Input: a task of the domain. Output: a list of disagreements between declaration
 
 from hybrid_tamp.testing.check import check_domain as check_domain
 from hybrid_tamp.testing.disagreement import Disagreement as Disagreement
+from hybrid_tamp.testing.kinds import KINDS as KINDS
+from hybrid_tamp.testing.kinds import MistakeKind as MistakeKind

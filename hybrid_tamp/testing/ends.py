@@ -35,7 +35,7 @@ def check_ends(rolled: Rollouts, possible: Sequence[Binding], found: Disagreemen
     for slot, targets in block.ends.items():
         declared = f"the final pose of {slot} depends only on {' and '.join(('its initial pose', *targets))}"
         if block.outcome is None:
-            found.add("ends", block, rolled.binding, declared, "the block has no outcome")
+            found.add("ends", block, rolled.binding, declared, "the block has no outcome", slot)
             continue
         _check_outcome(rolled, slot, targets, declared, found)
         _check_others(rolled, slot, targets, declared, possible, found)
@@ -54,6 +54,7 @@ def _check_outcome(rolled: Rollouts, slot: str, targets: Sequence[str], declared
                 rolled.binding,
                 declared,
                 f"the final pose in a rollout differs from the outcome by {_off(distance, angle)}",
+                slot,
             )
 
 
@@ -73,7 +74,7 @@ def _check_others(
             if distance > _SAME or angle > _SAME:
                 roles = ", ".join(sorted(role for role in other if other[role] != rolled.binding[role]))
                 measured = f"for another choice of {roles}, the outcome differs by {_off(distance, angle)}"
-                found.add("ends", rolled.block, rolled.binding, declared, measured)
+                found.add("ends", rolled.block, rolled.binding, declared, measured, slot)
 
 
 def _check_surroundings(
@@ -90,7 +91,7 @@ def _check_surroundings(
     if distance > _SAME or angle > _SAME:
         names = ", ".join(sorted(token.name for token in others))
         measured = f"after a displacement of {names}, the outcome differs by {_off(distance, angle)}"
-        found.add("ends", rolled.block, rolled.binding, declared, measured)
+        found.add("ends", rolled.block, rolled.binding, declared, measured, slot)
 
 
 def _outcome(block: Block, binding: Binding, state: State) -> State:

@@ -11,7 +11,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.testing.disagreement import Disagreements, atom_text, with_unit
+from hybrid_tamp.testing.disagreement import Disagreements, atom_text, role_of, with_unit
 from hybrid_tamp.testing.rollouts import Rollouts
 
 _RADII = (0.01, 3.0)
@@ -24,6 +24,7 @@ _ATOMS = 16
 _POSITION = "position"
 
 Values = tuple[Value, ...]
+"""Arguments of an atom."""
 
 
 def check_facts(task: Task, first: State, rolled: Rollouts, found: Disagreements, rng: np.random.Generator) -> None:
@@ -48,9 +49,10 @@ def check_facts(task: Task, first: State, rolled: Rollouts, found: Disagreements
 def _check_kept(task: Task, predicate: Predicate, rolled: Rollouts, found: Disagreements) -> None:
     if predicate.at_start:
         return
-    for values, before, after in _changed(predicate, _involved(task, predicate, rolled), rolled.start, rolled.ends):
+    for values, before, after in _changed(predicate, atoms_with(task, predicate, rolled), rolled.start, rolled.ends):
         measured = f"{atom_text(predicate, values)} {_from_to(predicate, before, after)}"
-        found.add("keeps", rolled.block, rolled.binding, f"the block keeps {predicate.name}", measured)
+        role = role_of(rolled.binding, values)
+        found.add("keeps", rolled.block, rolled.binding, f"the block keeps {predicate.name}", measured, role)
 
 
 def _check_fixed(task: Task, predicate: Predicate, rolled: Rollouts, found: Disagreements) -> None:
@@ -58,7 +60,7 @@ def _check_fixed(task: Task, predicate: Predicate, rolled: Rollouts, found: Disa
     for values, before, after in _changed(predicate, every, rolled.start, rolled.ends):
         declared = f"{predicate.name} reads no varying property"
         measured = f"{atom_text(predicate, values)} {_from_to(predicate, before, after)}"
-        found.add("fixed", rolled.block, rolled.binding, declared, measured)
+        found.add("fixed", rolled.block, rolled.binding, declared, measured, role_of(rolled.binding, values))
 
 
 def _changed(
@@ -84,7 +86,7 @@ def _check_bound(
 ) -> None:
     """Compare the margins with bounds, which are computed for current, earlier and random positions of the tokens."""
     moving = _moving_tokens(task)
-    every = _involved(task, predicate, rolled)
+    every = atoms_with(task, predicate, rolled)
     for values in (every[index] for index in rng.permutation(len(every))[:_ATOMS]):
         tokens = [value for value in values if isinstance(value, Token) and value in moving]
         for row in rolled.rows[:1] + rolled.rows[-1:]:
@@ -97,7 +99,8 @@ def _check_bound(
                     atom, shown = atom_text(predicate, values), with_unit(margin, predicate)
                     limit = f"{with_unit(bound, predicate)} for displacements of up to {radius:.3g} m"
                     measured = f"the margin of {atom} is {shown}, and the bound is {limit}"
-                    found.add("bound", rolled.block, rolled.binding, declared, measured)
+                    role = role_of(rolled.binding, values)
+                    found.add("bound", rolled.block, rolled.binding, declared, measured, role)
                     return
 
 
@@ -135,7 +138,7 @@ def _moving_tokens(task: Task) -> set[Token]:
     return {token for token in task.tokens if any(map(token.is_member, classes))}
 
 
-def _involved(task: Task, predicate: Predicate, rolled: Rollouts) -> list[Values]:
+def atoms_with(task: Task, predicate: Predicate, rolled: Rollouts) -> list[Values]:
     """Return the well-typed tuples of arguments that contain a token which the rolled-out block changes."""
     changed = {rolled.binding[slot] for slot in rolled.block.writes}
     every = (tuple(bound.values()) for bound in enumerate_bindings(_sorts(task, predicate)))

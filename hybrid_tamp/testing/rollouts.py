@@ -11,6 +11,7 @@ from hybrid_tamp.model.control import Parameters
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
+from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
 
 _CHUNK = 48
@@ -65,6 +66,11 @@ class Rollouts:
         margins = np.broadcast_to(literal.margin(self.states, self.binding), self.states.values.shape[:-1])
         return float(min(margins[: self.lengths[row] + 1, row].min() for row in self.rows))
 
+    def varies(self, literal: Literal) -> float:
+        """Return the difference between the largest and the least margin of a condition in row 0."""
+        margins = np.broadcast_to(literal.margin(self.states, self.binding), self.states.values.shape[:-1])
+        return float(np.ptp(margins[: self.lengths[0] + 1, 0]))
+
 
 def draw_hyperparameters(
     block: Block, binding: Binding, state: State, count: int, rng: np.random.Generator
@@ -73,10 +79,11 @@ def draw_hyperparameters(
 
     Every other row draws each hyperparameter uniformly from its range, or keeps its initial value.
     """
-    chosen = {}
+    chosen, seen = {}, View(binding, state.layout).of(state)
     for hyperparameter in block.hyperparameters:
-        initial = float(block.initial_value(hyperparameter, binding, state))
-        drawn = rng.uniform(*hyperparameter.bounds(binding), count)
+        initial = float(block.initial_value(hyperparameter, binding, seen))
+        low, high = hyperparameter.bounds(binding)
+        drawn = rng.uniform(min(low, high), max(low, high), count)
         chosen[hyperparameter.name] = np.append(initial, np.where(rng.random(count) < _INITIAL, initial, drawn))
     return chosen
 

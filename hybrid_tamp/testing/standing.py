@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import Literal
-from hybrid_tamp.testing.disagreement import Disagreements, with_unit
+from hybrid_tamp.testing.disagreement import Disagreements, first_role, with_unit
 from hybrid_tamp.testing.rollouts import Rollouts
 
 
@@ -34,7 +34,8 @@ class StandingConditions:
                     declared = f"the entry condition {literal.text} is neither an invariant nor waived"
                     count, margin = self._rollouts[block.name], with_unit(least, literal.predicate)
                     measured = f"the condition holds throughout {count} rollouts, with a least margin of {margin}"
-                    found.add("invariant", block, {}, declared, measured)
+                    role = first_role(block, literal.arguments)
+                    found.add("invariant", block, {}, declared, measured, role)
 
 
 def _candidates(block: Block) -> list[Literal]:

@@ -44,7 +44,7 @@ TABLE: dict[str, tuple[str, ...]] = {
         "physics.protocol",
         "workers",
     ),
-    "testing": ("execution", "feasibility"),
+    "testing": ("execution", "physics.protocol"),
     "execution": ("collision", "physics.protocol"),
     "symbolic": ("feasibility",),
     "paths": ("collision", "robots"),

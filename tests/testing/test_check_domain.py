@@ -15,7 +15,7 @@ from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Hyperparameter, 
 from hybrid_tamp.model.predicate import ANY, Binding, Kind, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.testing import Disagreement, check_domain
+from hybrid_tamp.testing import KINDS, Disagreement, check_domain
 from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.ends import check_ends
 from hybrid_tamp.testing.rollouts import roll_out_rows
@@ -54,7 +54,7 @@ def check(moving: Block, *facts: Predicate, spots: tuple[float, ...] = (0.4,), *
     world = World(moving=moving, facts=facts).pusher(limit=1000.0)
     for number, x in enumerate(spots):
         world = world.spot(f"spot {number}", x)
-    return check_domain(world.task(), **{"samples": 2, **how})
+    return check_domain(world.task(), **{"samples": 2, "simulate": False, **how})
 
 
 def kinds(found: list[Disagreement]) -> set[tuple[str, str]]:
@@ -92,7 +92,11 @@ def test_an_exit_condition_that_no_rollout_reaches() -> None:
     assert missed.binding == (("pusher", "pusher"), ("spot", "spot 0"))
     assert missed.measured.startswith("the margin is -")
     assert missed.measured.endswith(" m at the end of the rollout")
-    assert str(missed) == f"MOVING(pusher=pusher, spot=spot 0): exit: near(pusher, spot): {missed.measured}"
+    assert (
+        str(missed)
+        == f"MOVING(pusher=pusher, spot=spot 0): exit: near(pusher, spot): {missed.measured}; {KINDS['exit'].remedy}"
+    )
+    assert missed.role == "pusher"
 
 
 def test_a_kept_predicate_that_changes() -> None:
