@@ -10,6 +10,7 @@ import typer
 
 from hybrid_tamp.cli.affordances import affordances
 from hybrid_tamp.cli.check import check
+from hybrid_tamp.cli.check_domain import check_domain
 from hybrid_tamp.cli.domains import domains
 from hybrid_tamp.cli.explain import explain
 from hybrid_tamp.cli.imitate import imitate
@@ -52,5 +53,5 @@ def _options(
 
 
 _QUESTIONS = (learn, imitate, explain, affordances, probe)
-for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, network, domains, schema):
+for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, network, domains, schema, check_domain):
     app.command()(verb)  # the help lists the verbs in this order

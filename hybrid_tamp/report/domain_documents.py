@@ -1,8 +1,9 @@
-"""The documents that `domains --json` and `network --json` print."""
+"""The documents that `domains --json`, `network --json` and `check-domain --json` print."""
 
 from collections.abc import Iterable
 from typing import Any
 
+from hybrid_tamp.model.disagreement import DomainReport
 from hybrid_tamp.model.domain import Domain
 
 
@@ -33,4 +34,27 @@ def network_document(domain: Domain) -> dict[str, Any]:
             for block in domain.blocks
         ],
         "edges": [[".".join(source), ".".join(target)] for source, target in domain.network.edges],
+    }
+
+
+def mistakes_document(report: DomainReport) -> dict[str, Any]:
+    """Return a document with the mistakes in a domain."""
+    return {
+        "schema": "hybrid-tamp/check-domain/1",
+        "domain": report.domain,
+        "tasks": list(report.tasks),
+        "status": "mistakes" if report.mistakes else "ok",
+        "mistakes": [
+            {
+                "kind": each.kind,
+                "block": each.block,
+                "role": each.role,
+                "task": task,
+                "binding": dict(each.binding),
+                "declared": each.declared,
+                "measured": each.measured,
+                "remedy": each.remedy,
+            }
+            for task, each in report.mistakes
+        ],
     }

@@ -6,6 +6,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from hybrid_tamp.model.disagreement import DomainReport
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.report.documents import Json
@@ -186,4 +187,19 @@ def network_table(domain: Domain) -> RenderableType:
         for slot in block.slots:
             onward = ", ".join(map(".".join, domain.network.destinations((block.name, slot.name))))
             table.add_row(*map(Text, (f"  {slot.name}", slot.object_class.name, onward or "-")))
+    return table
+
+
+def mistakes_table(report: DomainReport) -> RenderableType:
+    """Return a table of the mistakes in a domain, or a line which says that there are none."""
+    tasks = f"the task{'s' * (len(report.tasks) > 1)} {', '.join(report.tasks)}"
+    if not report.mistakes:
+        return Text(f"{report.domain}: no mistakes in {report.blocks} blocks, checked with {tasks}")
+    table = new_table(
+        f"Mistakes in {report.domain}, checked with {tasks}", "kind", "block", "role", "mistake and remedy"
+    )
+    for task, each in report.mistakes:
+        bound = f" ({task}: {roles_text(dict(each.binding))})" if each.binding else ""
+        lines = f"{each.declared}\nbut {each.measured}{bound}\nRemedy: {each.remedy}."
+        table.add_row(*map(Text, (each.kind, each.block, each.role, lines)))
     return table

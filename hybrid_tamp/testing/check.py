@@ -9,12 +9,13 @@ import numpy as np
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.disagreement import Disagreement
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.testing.arrivals import Arrivals
 from hybrid_tamp.testing.batches import check_batches
-from hybrid_tamp.testing.disagreement import Disagreement, Disagreements
+from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.effects import Promises, check_undeclared, check_writes
 from hybrid_tamp.testing.ends import check_ends
 from hybrid_tamp.testing.entering import report_closed, report_unestablished

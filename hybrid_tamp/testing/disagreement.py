@@ -1,38 +1,11 @@
-"""Differences between what a domain declares and what rollouts of its blocks show."""
+"""The collection of the mistakes in a domain, and their texts."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.disagreement import Disagreement
 from hybrid_tamp.model.predicate import Binding, Predicate, name_of
 from hybrid_tamp.testing.kinds import KINDS
-
-
-@dataclass(frozen=True)
-class Disagreement:
-    """A mistake in a domain: a declaration that a rollout refutes, a missing declaration, or a faulty function.
-
-    Attributes:
-        kind: kind of the mistake, a key of `KINDS`.
-        block: name of the block with the mistake.
-        binding: pairs of (role, token or symbol) of the rollout, sorted. Empty if all bindings are meant.
-        declared: the declaration, e.g. a condition over roles.
-        measured: what the check found instead, with figures and units.
-        role: the slot, target or hyperparameter with the mistake.
-        remedy: how to correct the mistake.
-    """
-
-    kind: str
-    block: str
-    binding: tuple[tuple[str, str], ...]
-    declared: str
-    measured: str
-    role: str = ""
-    remedy: str = ""
-
-    def __str__(self) -> str:
-        bound = ", ".join(f"{role}={name}" for role, name in self.binding)
-        return f"{self.block}({bound}): {self.kind}: {self.declared}: {self.measured}; {self.remedy}"
 
 
 class Disagreements:

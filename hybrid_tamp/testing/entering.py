@@ -32,7 +32,7 @@ def report_closed(task: Task, block: Block, states: Sequence[State], found: Disa
             found.add("entry", block, {}, declared, measured, first_role(block, literal.arguments))
             alone = True
     if not alone:
-        measured = f"the conditions {never} at the same time, in {len(states)} states"
+        measured = f"taken together, the conditions {never} ({len(states)} states)"
         found.add("entry", block, {}, "the entry conditions can hold", measured)
 
 

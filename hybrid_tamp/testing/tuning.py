@@ -53,7 +53,7 @@ class Tuning:
         self._note(block, binding, _EXPECTED, sound, measured)
 
     def report(self, found: Disagreements) -> None:
-        """Report guesses that are always outside their bounds, and hyperparameters without influence."""
+        """Report initial values that are always outside their bounds, and hyperparameters without influence."""
         for key, (block, binding, name, measured) in self._outside.items():
             if key not in self._inside:
                 what, role = (name, "") if name == _EXPECTED else (f"the initial value of {name}", name)

@@ -30,6 +30,7 @@ TABLE: dict[str, tuple[str, ...]] = {
         "taskfile",
         "collision",
         "workers",
+        "testing",
     ),
     "interop": ("symbolic", "execution", "physics"),
     "report": ("physics.pictures", "robots"),
