@@ -26,8 +26,8 @@ REDRAWN = 10
 """Number of first generations in which new samples replace points outside the cube. Later points are mirrored."""
 PATIENCE = 7
 """Number of generations over which `CMAES.quick` measures the recent gain."""
-LEAST_GAIN = 0.03
-"""Smallest recent gain with which `CMAES.quick` continues a run, as a fraction of the search's total gain."""
+LEAST_GAIN = 0.003
+"""Smallest recent gain with which `CMAES.quick` continues a run, as a fraction of the total gain over the default."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 An objective scores rollouts on forward models and runs in physics alike.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
@@ -119,21 +119,13 @@ class Objective:
         result = condition.atom in self.task.goal or predicate.kind is Kind.FUNCTIONAL or predicate.static
         return result and not condition.throughout
 
-    def restrict_to(self, instance: BlockInstance) -> Callable[[FloatArray], Scores]:
-        """Return a scoring function that uses only the conditions and measures of one instance."""
-
-        def evaluate(points: FloatArray) -> Scores:
-            rollout = self.rollout(points, instance.name)
-            mine = [c for c in rollout.conditions if c.where == instance.name]
-            violation = (
-                np.sum([c.violation for c in mine], axis=0)
-                + _lacking(mine, self.reserves or {})
-                + np.zeros(len(points))
-            )
-            bad = np.logical_or.reduce([np.zeros(len(points), dtype=bool), *rollout.failed.values()])
-            return Scores(np.where(bad, np.inf, violation), rollout.value_of(self.task, instance))
-
-        return evaluate
+    def score_instance(self, rollout: Rollout, instance: BlockInstance) -> Scores:
+        """Return the scores of a rollout for the conditions and measures of one instance only."""
+        mine = [c for c in rollout.conditions if c.where == instance.name]
+        count = len(rollout.value)
+        violation = np.sum([c.violation for c in mine], axis=0) + _lacking(mine, self.reserves or {}) + np.zeros(count)
+        bad = np.logical_or.reduce([np.zeros(count, dtype=bool), *rollout.failed.values()])
+        return Scores(np.where(bad, np.inf, violation), rollout.value_of(self.task, instance))
 
 
 @dataclass

@@ -66,6 +66,10 @@ class Optimum:
     stopped: str
 
 
+FLOOR = 1e-6
+"""Smallest gain of the value J that counts. The models are less accurate."""
+
+
 class NothingFinite(HybridTampError):
     """Raised if all rollouts of a search failed. Then there is no best candidate."""
 
@@ -93,6 +97,7 @@ class Search:
         self._points: list[FloatArray] = []
         self._scores: list[Scores] = []
         self._history: list[Milestone] = []
+        self._default: list[Milestone] = []
         self.k = self._varying.d
         self.start = self._varying.to_unit(self._varying.default)
         self.evaluations = 0
@@ -103,18 +108,22 @@ class Search:
         return "evaluations" if self.evaluations >= self.budget.evaluations else ""
 
     def gain(self, batches: int) -> float:
-        """Return the gain of the last batches as a fraction of the total gain.
+        """Return the gain of the last batches as a fraction of the total gain over the default point.
 
-        The gain is the decrease of the violation or, if the violation stays constant, the increase of the value. The
-        fraction is 1 if there were at most ``batches`` batches, or if the total gain is 0.
+        The gain is the decrease of the violation or, if the violation stays constant, the increase of the value. If
+        the default violates more conditions, the value is compared with the first candidate that does not. The fraction
+        is 1 if there were at most ``batches`` batches. If all conditions hold, a gain below `FLOOR` counts as 0.
         """
         if len(self._history) <= batches:
             return 1.0
-        first, before, now = self._history[0], self._history[-1 - batches], self._history[-1]
+        before, now, all_best = self._history[-1 - batches], self._history[-1], [*self._default, *self._history]
         if now.violation < before.violation:
-            return 1.0 if now.violation == 0 else (before.violation - now.violation) / first.violation
-        whole = now.value - next(m.value for m in self._history if m.violation == now.violation)
-        return (now.value - before.value) / whole if whole > 0.0 else 1.0
+            return 1.0 if now.violation == 0 else (before.violation - now.violation) / all_best[0].violation
+        gain = now.value - before.value
+        if now.violation == 0.0 and gain < FLOOR:
+            return 0.0
+        whole = now.value - next(each.value for each in all_best if each.violation == now.violation)
+        return gain / whole if whole > 0.0 else 1.0
 
     @property
     def met(self) -> bool:
@@ -143,6 +152,8 @@ class Search:
         self._points.append(points)
         self._scores.append(scores)
         self.evaluations += len(points)
+        if extra and scores.finite[0]:
+            self._default = [Milestone(1, float(scores.violation[0]), float(scores.value[0]))]
         first = int(np.argmin(scores.ranks()))
         new = Milestone(self.evaluations, float(scores.violation[first]), float(scores.value[first]))
         best = min([*self._history[-1:], new], key=lambda milestone: (milestone.violation, -milestone.value))

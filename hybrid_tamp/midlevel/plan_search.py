@@ -12,8 +12,10 @@ import numpy as np
 from hybrid_tamp.errors import DomainError, Issue
 from hybrid_tamp.midlevel.action_by_action import optimise_apart
 from hybrid_tamp.midlevel.influence import Influence, find_influence, find_moved_measures, is_idle
+from hybrid_tamp.midlevel.line_search import Rolled, search_line
 from hybrid_tamp.midlevel.objective import Evaluator, Objective
 from hybrid_tamp.midlevel.optimiser import Budget, NothingFinite, Optimum
+from hybrid_tamp.midlevel.predictions import Rollout
 from hybrid_tamp.midlevel.registry import find_optimiser
 from hybrid_tamp.midlevel.screening import Effect, Screening, screen_hyperparameters
 from hybrid_tamp.model.refined import Milestone
@@ -65,6 +67,7 @@ class Searched:
         apart: point that results from optimising each action separately. Shape ``(d,)``. None if not computed.
         optimum: best point of the search.
         spent: total number of rollouts so far.
+        whole: rollouts of the whole plan for all points of the search, or None if the rollouts covered only a part.
     """
 
     objective: Objective
@@ -73,6 +76,7 @@ class Searched:
     apart: FloatArray | None
     optimum: Optimum
     spent: int
+    whole: Rolled | None = None
 
 
 def search_plan(settings: SearchSettings, objective: Objective, spent: int = 0) -> Searched:
@@ -104,14 +108,34 @@ def _search_space(settings: SearchSettings, objective: Objective, spent: int) ->
 def _search_line(settings: SearchSettings, objective: Objective, spent: int) -> Searched:
     """Search over a single variable without screening. The search itself shows the effects of the variable."""
     (name,) = objective.space.varying
-    searched, optimum = _optimise(settings, objective, [name], objective.space.default, spent)
-    # Use all batches, because all candidates of the last generation may be equally good.
-    influence = Influence({name: find_moved_measures(searched.rollouts)}, frozenset([name]))
-    effect = Effect(0.0, 0.0) if is_idle(searched.rollouts) else Effect(np.inf, np.inf)
-    objective = searched.objective
-    apart = optimise_apart(objective, influence.own) if settings.compare else None
+    budget = Budget(max(1, settings.midlevel.evaluations - spent))
+
+    def tell(milestone: Milestone) -> None:
+        settings.tell(min(milestone.evaluations / budget.evaluations, 1.0), milestone)
+
+    whole = Rolled(replace(objective, until=None))
+    try:
+        optimum, apart = _find_on_line(settings, whole, budget, tell)
+    except NothingFinite as error:
+        raise _blame_block(whole.objective, whole.rollouts[-1], error) from error
+    # Use all batches, because all candidates of the last grid may be equally good.
+    influence = Influence({name: find_moved_measures(whole.rollouts)}, frozenset([name]))
+    effect = Effect(0.0, 0.0) if is_idle(whole.rollouts) else Effect(np.inf, np.inf)
     screening = Screening({name: effect}, Effect(0.0, 0.0), 0)
-    return Searched(objective, screening, influence, apart, optimum, spent + optimum.evaluations)
+    return Searched(whole.objective, screening, influence, apart, optimum, spent + whole.count, whole)
+
+
+def _find_on_line(
+    settings: SearchSettings, whole: Rolled, budget: Budget, tell: Callable[[Milestone], None]
+) -> tuple[Optimum, FloatArray | None]:
+    """Return the optimum and, if requested, the point that results from optimising the action on its own."""
+    if settings.midlevel.optimiser != "grid":
+        return search_line(whole, budget, tell, settings.compare)
+    # Direct sampling is a baseline, so it samples a single variable on one regular grid, too.
+    part = whole.objective.space.only(whole.objective.space.varying)
+    optimum = find_optimiser("grid")(whole, part, budget, settings.rng, tell)
+    optimum = replace(optimum, point=part.embed(optimum.point[None])[0])
+    return optimum, optimise_apart(whole.objective, part.names) if settings.compare else None
 
 
 def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, Screening]:
@@ -122,7 +146,7 @@ def _screen(settings: SearchSettings, objective: Objective) -> tuple[Evaluator, 
     try:
         return evaluate, screen_hyperparameters(evaluate, space, settings.rng, bases=bases, tolerance=_TOLERANCE)
     except NothingFinite as error:
-        raise _blame_block(evaluate, error) from error
+        raise _blame_block(objective, evaluate.rollouts[-1], error) from error
 
 
 def _choose_start(objective: Objective, apart: FloatArray | None) -> FloatArray:
@@ -150,14 +174,13 @@ def _optimise(
     try:
         optimum = optimise(evaluate, part, Budget(left), settings.rng, tell)
     except NothingFinite as error:
-        raise _blame_block(evaluate, error) from error
+        raise _blame_block(objective, evaluate.rollouts[-1], error) from error
     return evaluate, replace(optimum, point=part.embed(optimum.point[None])[0])
 
 
-def _blame_block(evaluated: Evaluator, error: NothingFinite) -> NotFinite:
+def _blame_block(objective: Objective, rollout: Rollout, error: NothingFinite) -> NotFinite:
     """Return an error that names the first block with a non-finite result."""
-    failed = evaluated.rollouts[-1].failed
-    where = next((instance for instance in evaluated.objective.plan.instances if instance.name in failed), None)
+    where = next((instance for instance in objective.plan.instances if instance.name in rollout.failed), None)
     if where is None:
         return NotFinite([Issue("", str(error))])
     remedy = f"check the forward model of {where.block}: block {where.block} has the first non-finite result"

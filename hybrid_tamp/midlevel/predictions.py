@@ -1,7 +1,7 @@
 """The predicted outcome of a population of candidates: margins, performance measures, times and final states."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -111,6 +111,18 @@ class Rollout:
         for where in self.failed.values():
             total = np.where(where, np.inf, total)
         return np.where(np.isfinite(total), total, np.inf)
+
+    def pick(self, candidate: int) -> "Rollout":
+        """Return the rollout of one candidate as a population with one candidate."""
+        one = slice(candidate, candidate + 1)
+        return Rollout(
+            conditions=tuple(replace(c, margin=c.margin[one]) for c in self.conditions),
+            figures={key: figure[one] for key, figure in self.figures.items()},
+            value=self.value[one],
+            final=State(self.final.layout, self.final.values[one]),
+            intervals={name: Interval(*(time[one] for time in times)) for name, times in self.intervals.items()},
+            failed={name: where[one] for name, where in self.failed.items() if where[candidate]},
+        )
 
     def worst(self, candidate: int = 0) -> Condition | None:
         """Return the first violated condition of a candidate, in plan order, or None if all conditions hold."""

@@ -74,4 +74,8 @@ def refine(
 def _compare(searched: Searched) -> Candidates:
     """Roll out the whole plan for the defaults, the optimum and the result of optimising each action separately."""
     others = [] if searched.apart is None else [searched.apart]
-    return Candidates.of(searched.objective, searched.objective.space.default, searched.optimum.point, *others)
+    points = np.array([searched.objective.space.default, searched.optimum.point, *others])
+    if searched.whole is None:
+        return Candidates.of(searched.objective, *points)
+    searched.whole.roll_out(points)  # The points of a line search were rolled out before.
+    return Candidates.choose(searched.objective, searched.whole.look_up(points), points)

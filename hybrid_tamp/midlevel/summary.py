@@ -38,9 +38,13 @@ class Candidates:
     @classmethod
     def of(cls, objective: Objective, *points: FloatArray) -> "Candidates":
         """Roll out the whole plan for several points of shape ``(d,)``, and choose the best point."""
-        rollout = objective.rollout(np.array(points))
+        return cls.choose(objective, objective.rollout(np.array(points)), np.array(points))
+
+    @classmethod
+    def choose(cls, objective: Objective, rollout: Rollout, points: FloatArray) -> "Candidates":
+        """Choose the best of several points ``(n, d)`` that were rolled out over the whole plan."""
         chosen = np.lexsort((-rollout.value, objective.sum_violations(rollout)))[0]
-        return cls(rollout, np.array(points), int(chosen))
+        return cls(rollout, points, int(chosen))
 
     @property
     def point(self) -> FloatArray:
@@ -65,7 +69,7 @@ class Candidates:
 def summarise_defaults(objective: Objective, defaults: Candidates, began: float) -> RefinedPlan:
     """Return the refined plan with default hyperparameters, for a plan with nothing to optimise."""
     tuned = _tune(objective, defaults.point, dict.fromkeys(objective.space.names, "kept"))
-    return _summarise(objective, defaults, tuple(tuned), 0, began)
+    return _summarise(objective, defaults, tuple(tuned), len(defaults.points), began)
 
 
 def summarise(
@@ -88,7 +92,13 @@ def summarise(
     if searched.apart is not None:
         tuned = [replace(each, apart=float(at)) for each, at in zip(tuned, searched.apart, strict=True)]
     found = replace(
-        _summarise(objective, candidates, tuple(tuned), searched.spent, began),
+        _summarise(
+            objective,
+            candidates,
+            tuple(tuned),
+            searched.spent + (0 if searched.whole else len(candidates.points)),
+            began,
+        ),
         apart=None if searched.apart is None else candidates.value(-1),
         optimiser=objective.task.midlevel.optimiser,
         stopped=optimum.stopped,
@@ -117,7 +127,7 @@ def _summarise(
         shortfall=None if short is None else short.at(chosen),
         expected=margins,
         optimiser="",
-        evaluations=spent + len(candidates.points),
+        evaluations=spent,
         seconds=time.monotonic() - began,
         stopped="",
         history=(),
