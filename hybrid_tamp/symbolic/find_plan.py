@@ -1,9 +1,10 @@
 """Search for the best lawful plan of a task with all strategies.
 
 Independent goals are planned separately. If this gives no plan, the engine plans the whole task at once. To find the
-fewest actions, a small task is first planned at once, and few groups of goals are also planned in turn. For the
-makespan, goals are planned separately with different numbers of helpers, and interchangeable tokens are rebound until
-no rebinding shortens the plan. Counts limit these searches. The deadline of the command ends them, but shapes no plan.
+fewest actions, a small task is first planned at once, and few groups of goals are also planned in turn. Needless
+actions are dropped. For the makespan, goals are planned separately with different numbers of helpers, and
+interchangeable tokens are rebound until no rebinding shortens the plan. Counts limit these searches. The deadline of
+the command ends them, but shapes no plan.
 """
 
 import time
@@ -20,6 +21,7 @@ from hybrid_tamp.symbolic.relaxation import may_be_solvable
 from hybrid_tamp.symbolic.strategies.fewest import count_facts, judge_fewest, wants_fewest
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
 from hybrid_tamp.symbolic.strategies.in_turn import plan_goals_in_turn
+from hybrid_tamp.symbolic.strategies.needless import drop_needless
 from hybrid_tamp.symbolic.strategies.rebinding import rebind
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult
 from hybrid_tamp.symbolic.whereabouts.relax import relax_task
@@ -117,7 +119,7 @@ def _shorten(situation: Situation, planner: Planner, deadline: Deadline, result:
         found = _plan_with_nodes(situation, planner, deadline, [])
     except LimitReached as reached:
         return replace(result, stopped=reached)
-    return result if found is None else min(result, found, key=_cost)
+    return result if found is None else min(result, found, key=lambda each: each.cost)
 
 
 def _situated_search(
@@ -185,7 +187,7 @@ def _search(search: Search) -> tuple[PlannerAnswer | None, Candidate | None]:
     task, answer = search.task, None
     at_once = wants_fewest(task) and count_facts(task) <= MOST_AT_ONCE
     best = None if at_once else _plan_apart(search)
-    engines = (task.planner, FIRST) if task.planner == SHORTENING else (task.planner,)
+    engines = (search.engine, FIRST) if search.engine == SHORTENING else (search.engine,)
     for engine in engines if best is None else ():
         with search.stage("compiling"):
             problem = search.compilation.problem
@@ -196,6 +198,8 @@ def _search(search: Search) -> tuple[PlannerAnswer | None, Candidate | None]:
             break  # Otherwise, a condition fails in the predicted states, perhaps only in those of the shorter plan.
     if at_once and answer is not None and best is not None and answer.fewest != "proven fewest":
         best = min(filter(None, (best, _plan_apart(search))), key=lambda each: len(each.plan.actions))
+    if best is not None and (answer is None or answer.fewest != "proven fewest"):
+        best = drop_needless(search, best)
     if best is not None and task.objective == "makespan":
         best = rebind(search, best)
     return answer, best
@@ -234,7 +238,7 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
             break  # No plan is shorter than the empty plan.
     solved = [result for result in found if result.plan is not None]
     open_ends = [result for result in found if result.status != "unsolvable"]
-    chosen = min(solved, key=_cost) if solved else [*open_ends, *found][0]
+    chosen = min(solved, key=lambda each: each.cost) if solved else [*open_ends, *found][0]
     # The duration of a stage is summed over all alternatives.
     stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
     answer = replace(chosen.answer, seconds=time.monotonic() - began)
@@ -242,9 +246,3 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
     if fewest == "proven fewest" and not all(each.fewest == fewest or each.status == "unsolvable" for each in found):
         fewest = "no shorter one found"
     return replace(chosen, answer=answer, stages=stages, stopped=stopped, fewest=fewest)
-
-
-def _cost(result: SearchResult) -> float:
-    assert result.plan is not None
-    assert result.task is not None
-    return result.plan.makespan if result.task.objective == "makespan" else float(len(result.plan.actions))

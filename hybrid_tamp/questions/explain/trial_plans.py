@@ -4,9 +4,10 @@ from contextlib import ExitStack
 from itertools import cycle
 
 from hybrid_tamp.model.deadline import NEVER, Deadline
-from hybrid_tamp.model.task import DEFAULT_PLANNER, Task
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
+from hybrid_tamp.symbolic.engines.registry import FIRST
 from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
 from hybrid_tamp.symbolic.strategies.search import SearchResult
@@ -58,8 +59,8 @@ class TrialPlanner(ExitStack):
 
     def _plan(self, task: Task) -> SearchResult:
         self.left -= 1
-        # Any plan is enough. The default engine also terminates on unsolvable tasks.
-        simple = task.replaced(objective="length", planner=DEFAULT_PLANNER)
+        # Any plan is enough. This engine also terminates on unsolvable tasks.
+        simple = task.replaced(objective="length", planner=FIRST)
         process = next(self._processes)
         planned = find_plan(simple, process, self.deadline)
         process.prepare()

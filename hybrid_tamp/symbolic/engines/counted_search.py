@@ -5,7 +5,8 @@ of actions (A* with the blind heuristic). So the second search finds a plan with
 first plan has the fewest actions. The second search ends after a counted amount of work. Fast Downward has no option
 for this, but it reports the number of evaluated states whenever the search has examined all plans of one length. So the
 search examines another length only if at most `MOST_EVALUATED` states were evaluated before. This rule depends on no
-clock, and the plan does not depend on the load of the machine.
+clock, and the plan does not depend on the load of the machine. Each length takes as many expansions as states are
+evaluated and not yet expanded. So the rule also bounds the last length: at most `MOST_EVALUATED` states are expanded.
 
 The program takes the arguments of Fast Downward's driver, and prints its log. The last line is `PROVEN` or `COUNTED`.
 """

@@ -160,7 +160,7 @@ class _Groups:
             if posed.key not in self._known:
                 self.problems += 1
                 with search.limits_of_request() as limits:
-                    answer = search.planner.solve(posed.problem, search.task.planner, limits)
+                    answer = search.planner.solve(posed.problem, search.engine, limits)
                 self._known[posed.key] = posed.generalise(answer.actions) if answer.status == "solved" else None
             found = self._known[posed.key]
             if found is not None:

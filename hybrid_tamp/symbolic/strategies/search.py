@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Protocol
 
 from hybrid_tamp.errors import LimitReached
+from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, Fewest, PlannedAction, TaskPlan
@@ -17,6 +18,7 @@ from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.engines.registry import FIRST, SHORTENING
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.schedule import schedule_actions
@@ -76,6 +78,13 @@ class SearchResult:
             return "plan_refused"
         return {"crashed": "planner_crashed", "refused": "plan_refused"}.get(self.answer.status, self.answer.status)
 
+    @property
+    def cost(self) -> float:
+        """Makespan of the plan [s] if it is minimised, else the number of actions. Infinite if there is no plan."""
+        if self.plan is None or self.task is None:
+            return float("inf")
+        return self.plan.makespan if self.task.objective == "makespan" else float(len(self.plan.actions))
+
 
 class Search:
     """The search for a plan of one task.
@@ -117,6 +126,12 @@ class Search:
     def elapsed(self) -> float:
         """Time since the search began [s]."""
         return time.monotonic() - self._began
+
+    @property
+    def engine(self) -> str:
+        """Name of the engine to ask. No search for fewer actions is made if the makespan is minimised."""
+        shortens = self.task.planner == SHORTENING and self.task.objective == "makespan"
+        return FIRST if shortens else self.task.planner
 
     @cached_property
     def compilation(self) -> Compilation:
@@ -170,14 +185,29 @@ class Search:
 
     def judge_actions(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
         """Convert actions to a lawful plan of the whole task. If this fails, record the reason and return None."""
-        compilation = self.compilation
         try:
-            with self.stage("scheduling"):
-                plan = schedule_actions(compilation, actions, self.estimates)
+            candidate = self._schedule(way, actions)
         except NotAPlanError as error:
             self._refuse(way, str(error))
             return None
-        return self.judge(Candidate(way, plan))
+        return self.judge(candidate)
+
+    def try_actions(self, way: str, actions: Sequence[PlannedAction]) -> Candidate | None:
+        """Convert actions to a lawful plan of the whole task, or return None. Nothing is recorded about a refused plan.
+
+        A plan that was shortened by trial and error may break the law. This is no fault of the engine.
+        """
+        try:
+            candidate = self._schedule(way, actions)
+        except NotAPlanError:
+            return None
+        restored, violations, broken = self._examine(candidate)
+        return None if violations or broken else self._keep(restored)
+
+    def _schedule(self, way: str, actions: Sequence[PlannedAction]) -> Candidate:
+        compilation = self.compilation
+        with self.stage("scheduling"):
+            return Candidate(way, schedule_actions(compilation, actions, self.estimates))
 
     def judge(self, candidate: Candidate) -> Candidate | None:
         """Return the candidate as a plan of the original task, or record the reason for refusing it and return None.
@@ -185,21 +215,26 @@ class Search:
         The plan must obey the law of assignment. Its feasibility conditions must hold in the predicted states. The plan
         becomes the best plan if its makespan is the shortest so far.
         """
-        unrestored = candidate.plan
-        candidate = replace(candidate, plan=self.restore(unrestored))
-        with self.stage("law"):
-            violations = check_law(self.original, candidate.plan)
-            broken = (
-                [] if violations else list(find_broken_conditions(self.original, candidate.plan, self._predictions))
-            )
+        restored, violations, broken = self._examine(candidate)
         if violations:
             self._refuse(candidate.way, "; ".join(each.text for each in violations))
             return None
         if broken:
-            encoded = {instance.name: instance for instance in unrestored.instances}
+            encoded = {instance.name: instance for instance in candidate.plan.instances}
             self.broken += [(each, encoded[each.instance.name]) for each in broken]
             self._refuse(candidate.way, "; ".join(each.text for each in broken), logging.INFO)
             return None
+        return self._keep(restored)
+
+    def _examine(self, candidate: Candidate) -> tuple[Candidate, list[Violation], list[BrokenCondition]]:
+        """Return the candidate as a plan of the original task, with its violations of the law and broken conditions."""
+        restored = replace(candidate, plan=self.restore(candidate.plan))
+        with self.stage("law"):
+            if violations := check_law(self.original, restored.plan):
+                return restored, violations, []
+            return restored, [], list(find_broken_conditions(self.original, restored.plan, self._predictions))
+
+    def _keep(self, candidate: Candidate) -> Candidate:
         if self.best is None or candidate.plan.makespan < self.best.plan.makespan - 1e-6:
             self.best = candidate
         return candidate
