@@ -82,7 +82,9 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
                 yield Issue(f"{block.name}.{slot.name}", wanted, remedy="declare a target instead of the slot")
             yield from _ways(domain, block, slot.name)
         if not 0 < block.duration.minimum <= block.duration.maximum:
-            yield Issue(block.name, "a duration must satisfy 0 < minimum <= maximum", str(block.duration))
+            came = f"the minimum {block.duration.minimum:g} s and the maximum {block.duration.maximum:g} s"
+            wanted, remedy = "a duration must satisfy 0 < minimum <= maximum", "exchange or correct the bounds"
+            yield Issue(f"{block.name}.duration", wanted, came, remedy=remedy)
         for h in block.hyperparameters:
             if not h.lower <= h.upper:
                 wanted = "the lower bound must not exceed the upper bound"

@@ -80,8 +80,8 @@ class Arrivals:
                 )
                 _add("sign", rolled, literal, measured, found)
                 return
-        if rolled.block.hold or any(each.predicate.maintained for each in rolled.block.exit):
-            return  # The block may maintain what an earlier block has established, or end what that block maintained.
+        if any(each.predicate.maintained for each in rolled.block.exit):
+            return  # The block may end what an earlier block maintained, e.g. the place of a hand at a box.
         if float(np.abs(end.values - rolled.start.values).max(initial=0.0)) < _STILL:
             return  # The block holds its tokens in place.
         literal, margin = next(_margins(rolled, rolled.start))

@@ -16,7 +16,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.testing.arrivals import Arrivals
 from hybrid_tamp.testing.batches import check_batches
 from hybrid_tamp.testing.disagreement import Disagreements
-from hybrid_tamp.testing.effects import Promises, check_undeclared, check_writes
+from hybrid_tamp.testing.effects import Promises, check_undeclared, check_velocities, check_writes
 from hybrid_tamp.testing.ends import check_ends
 from hybrid_tamp.testing.entering import report_closed, report_unestablished
 from hybrid_tamp.testing.facts import check_facts
@@ -27,6 +27,7 @@ from hybrid_tamp.testing.rollouts import Rollouts, draw_hyperparameters, roll_ou
 from hybrid_tamp.testing.simulation import simulate_blocks
 from hybrid_tamp.testing.standing import StandingConditions
 from hybrid_tamp.testing.starts import draw_start
+from hybrid_tamp.testing.targets import check_target_reads
 from hybrid_tamp.testing.tuning import Tuning
 from hybrid_tamp.testing.units import check_units
 from hybrid_tamp.testing.walk import Choice, Chooser
@@ -142,6 +143,8 @@ class _Check:
                 self._refuse([rolled.block])
                 return
             check_writes(rolled, self._found)
+            check_velocities(rolled, self._found)
+            check_target_reads(self._task, rolled, self._found, self._rng)
             self._tuning.note(rolled, self._found)
         if not rolled.rows:
             return

@@ -7,6 +7,7 @@ import numpy as np
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Predicate, name_of
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.testing.disagreement import Disagreements, atom_text, first_role, role_of, with_unit
@@ -15,6 +16,12 @@ from hybrid_tamp.testing.rollouts import Rollouts
 
 _ROUNDING = 1e-9
 """Largest change of a property that counts as a rounding error, in SI units."""
+_SLOW = 1e-6
+"""Speed below which velocities are not compared with poses [m/s or rad/s]."""
+_STEPS = 10
+"""Least number of time steps with which velocities are compared with poses."""
+_FASTEST = 10.0
+"""Largest plausible ratio between the change of a pose and the velocity. For degrees and millimetres, it is larger."""
 _UNITS = {"position": "m", "velocity": "m/s", "orientation": "", "angular_velocity": "rad/s"}
 
 
@@ -44,6 +51,28 @@ def check_writes(rolled: Rollouts, found: Disagreements) -> None:
                         measured,
                         role,
                     )
+
+
+def check_velocities(rolled: Rollouts, found: Disagreements) -> None:
+    """Compare how fast the poses of tokens change with their velocities, in row 0 of the rollouts."""
+    block, dt = rolled.block, rolled.dt
+    states = State(rolled.states.layout, rolled.states.values[: rolled.lengths[0] + 1, 0])
+    for slot, written in block.writes.items():
+        token = rolled.binding[slot]
+        assert isinstance(token, Token)
+        for pose, velocity, unit in (("position", "velocity", "m"), ("orientation", "angular_velocity", "rad")):
+            if pose not in written or velocity not in written:
+                continue
+            speed = np.linalg.norm(states[token, velocity][1:], axis=-1)
+            change = np.linalg.norm(np.diff(states[token, pose], axis=0), axis=-1) * (2.0 if unit == "rad" else 1.0)
+            moving = (speed > _SLOW) & (change > 0.0)
+            ratio = float(np.median(change[moving] / (speed[moving] * dt))) if moving.sum() >= _STEPS else 1.0
+            if not 1.0 / _FASTEST < ratio < _FASTEST:
+                declared = f"the {velocity} of {slot} is the rate of its {pose}"
+                measured = (
+                    f"the {pose} of {token.name} changes by {ratio:.4g} {unit} where the {velocity} says 1 {unit}"
+                )
+                found.add("unit", block, rolled.binding, declared, measured, slot)
 
 
 def check_undeclared(task: Task, rolled: Rollouts, found: Disagreements) -> None:

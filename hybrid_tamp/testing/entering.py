@@ -14,7 +14,8 @@ def report_closed(task: Task, block: Block, states: Sequence[State], found: Disa
     """Report a block whose entry conditions and invariants did not hold in any state that was reached.
 
     The conditions that never hold for any tokens are reported one by one. If there are none, the conditions held only
-    at different times or for different tokens.
+    at different times or for different tokens. A condition that fails for all tokens although tokens start in the block
+    has probably the wrong sign.
 
     Args:
         task: task that has the tokens.
@@ -23,13 +24,16 @@ def report_closed(task: Task, block: Block, states: Sequence[State], found: Disa
         found: collection to which the disagreements are added.
     """
     never = "did not hold in any state that was reached"
+    starting = {task.start_block(token.name) for token in task.assigned}
     alone = False
     for literal in dict.fromkeys((*block.entry, *block.invariants)):
         best = _largest(task, block, literal, states)
         if best is not None and best < 0:
             measured = f"the condition {never}; the largest margin is {with_unit(best, literal.predicate)}"
-            declared = f"the entry condition {literal.text} can hold"
-            found.add("entry", block, {}, declared, measured, first_role(block, literal.arguments))
+            declared, kind = f"the entry condition {literal.text} can hold", "entry"
+            if block in starting:
+                declared, kind = f"the entry condition {literal.text} holds for tokens that start in this block", "sign"
+            found.add(kind, block, {}, declared, measured, first_role(block, literal.arguments))
             alone = True
     if not alone:
         measured = f"taken together, the conditions {never} ({len(states)} states)"

@@ -32,8 +32,9 @@ KINDS: Mapping[str, MistakeKind] = {
     ),
     "reads": MistakeKind(
         "The margin of a predicate depends on a varying property that `reads` does not list, or on a token that is no "
-        "argument. Static predicates with `reads` may read further properties, whose initial values then count.",
-        "add the property to 'reads', or make the token a parameter of the predicate",
+        "argument. Static predicates with `reads` may read further properties, whose initial values then count. Or a "
+        "block reads a property of a target that `Target.reads` does not list.",
+        "add the property to 'reads' of the predicate or the target, or make the token a parameter of the predicate",
     ),
     "sees": MistakeKind(
         "A policy, a system or an initial value reads a token without a role in the block.",
@@ -65,12 +66,14 @@ KINDS: Mapping[str, MistakeKind] = {
         "compute the result from the arguments of the call only, and compute constants in the factory function",
     ),
     "sign": MistakeKind(
-        "A block moves away from its exit condition in all rollouts.",
+        "A block moves away from its exit condition in all rollouts, or an entry condition fails for all tokens "
+        "although tokens start in the block.",
         "reverse the sign of the margin, or the sign of the command or of the movement",
     ),
     "unit": MistakeKind(
         "A declared unit is no SI unit, a margin changes more than 10 times as fast as the property of the same unit "
-        "that the margin reads, or a bound is implausible for its unit, e.g. 90 rad.",
+        "that the margin reads, a bound is implausible for its unit, e.g. 90 rad, or a pose changes more than 10 times "
+        "as fast or as slowly as the velocity says.",
         "use SI units: metres in place of millimetres, and radians in place of degrees",
     ),
     "exit": MistakeKind(
@@ -78,13 +81,13 @@ KINDS: Mapping[str, MistakeKind] = {
         "correct the policy, the system, the initial hyperparameters or the longest duration",
     ),
     "idle": MistakeKind(
-        "The exit conditions of a block without `hold` held at the start of all rollouts, so the block does nothing.",
+        "The exit conditions of a block that moves tokens held at the start of all rollouts.",
         "add an exit condition that only the movement makes true, or correct the margin of the condition",
     ),
     "entry": MistakeKind(
         "The entry conditions and the invariants of a block never held at the same time in the walks, or no block "
         "establishes an entry condition.",
-        "add a block or a token that makes the condition true, or correct the condition",
+        "add a block or a token that makes the condition true, or correct the condition and the sign of its margin",
     ),
     "effect": MistakeKind(
         "An exit condition is an effect that no rollout produces, although other effects of the block occur.",
@@ -128,7 +131,7 @@ KINDS: Mapping[str, MistakeKind] = {
     "bounds": MistakeKind(
         "The lower bound of a hyperparameter exceeds the upper bound, its initial value is always outside the bounds, "
         "or the expected duration always exceeds the longest duration.",
-        "exchange or correct the bounds, or compute the initial value within the bounds",
+        "exchange or correct the bounds, or compute a value within the bounds and in the declared unit",
     ),
     "contact": MistakeKind(
         "In physics, two tokens of a block touch for more than 0.1 s, or with more force than the task tolerates, but "
@@ -136,7 +139,8 @@ KINDS: Mapping[str, MistakeKind] = {
         "add the pair of roles to 'allowed_contacts', or move around the body",
     ),
     "model": MistakeKind(
-        "In physics, a block misses an exit condition that the forward model reaches, or a token ends at another pose.",
+        "In physics, a block misses an exit condition that the forward model reaches, takes less than half or more "
+        "than twice the time, or a token ends at another position.",
         "correct the forward model, or the policy that works only in the model",
     ),
 }

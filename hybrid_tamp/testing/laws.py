@@ -36,20 +36,21 @@ def check_laws(rolled: Rollouts, found: Disagreements) -> bool:
     """
     block, binding = rolled.block, rolled.binding
     view = View(binding, rolled.start.layout)
-    samples = list(_samples(rolled, view))
+    samples = list(samples_of(rolled, view))
     start = view.of(rolled.start)
     pure = True
     commands: _Results = [{} for _ in samples]
     if block.policy is not None:
-        calls = [_call_policy(block, binding, start, samples) for _ in range(2)]
+        calls = [call_policy(block, binding, start, samples) for _ in range(2)]
         pure = _compare("policy", rolled, samples, calls, found)
         commands = calls[0]
         _check_limits(rolled, commands[: len(samples)], found)
-    after = [_call_system(block, binding, start, samples, commands) for _ in range(2)]
+    after = [call_system(block, binding, start, samples, commands) for _ in range(2)]
     return _compare("system", rolled, samples, after, found) and pure
 
 
-def _samples(rolled: Rollouts, view: View) -> Iterator[tuple[float, State]]:
+def samples_of(rolled: Rollouts, view: View) -> Iterator[tuple[float, State]]:
+    """Yield pairs of (elapsed time [s], state of the instance's tokens) along row 0 of the rollouts."""
     length = int(rolled.lengths[0])
     for index in np.unique(np.linspace(0, max(length - 1, 0), _CALLS).astype(int)):
         state = State(rolled.states.layout, rolled.states.values[index, 0])
@@ -61,7 +62,7 @@ def _twice(samples: _Samples) -> list[int]:
     return [*range(len(samples)), *reversed(range(len(samples)))]
 
 
-def _call_policy(block: Block, binding: Binding, start: State, samples: _Samples) -> list[Commands]:
+def call_policy(block: Block, binding: Binding, start: State, samples: _Samples) -> list[Commands]:
     """Return the commands of a new policy for all samples, in order and then in reverse order."""
     assert block.policy is not None
     where, held = f"{block.name}.policy", {slot.name: binding[slot.name] for slot in block.slots}
@@ -78,7 +79,7 @@ def _call_policy(block: Block, binding: Binding, start: State, samples: _Samples
     return [{key: np.array(value) for key, value in commands.items()} for commands in results]
 
 
-def _call_system(
+def call_system(
     block: Block, binding: Binding, start: State, samples: _Samples, commands: _Results
 ) -> list[dict[_Key, FloatArray]]:
     """Return the next states of a new system for all samples, in order and then in reverse order."""
@@ -95,7 +96,7 @@ def _call_system(
 def _compare(what: str, rolled: Rollouts, samples: _Samples, calls: Sequence[_Results], found: Disagreements) -> bool:
     """Compare two instances with each other, and the first call of one instance with the second call."""
     one, other = calls
-    count = len(samples)
+    count, pure = len(samples), True
     for kind, declared, pairs in (
         ("chance", f"two {what} functions from the same arguments are equal", list(zip(one, other, strict=True))),
         ("memory", f"the {what} has no memory", list(zip(one[:count], one[: count - 1 : -1], strict=True))),
@@ -114,8 +115,9 @@ def _compare(what: str, rolled: Rollouts, samples: _Samples, calls: Sequence[_Re
                 (r for r, value in rolled.binding.items() if isinstance(value, Token) and value.name == name[0]), ""
             )
             found.add(kind, rolled.block, rolled.binding, declared, measured, role)
-            return False
-    return True
+            pure = False
+            break
+    return pure
 
 
 def _equal(one: FloatArray, other: FloatArray | None) -> bool:

@@ -120,11 +120,11 @@ def _unread(
     for parameter, value, argument in zip(predicate.parameters, values, literal.arguments, strict=True):
         read = predicate.reads.get(parameter.name, ())
         if isinstance(value, Token) and not (predicate.static and predicate.reads):
-            hidden = [each for each in _changeable(task, value) if each.name not in read]
+            hidden = [each for each in changeable(task, value) if each.name not in read]
             yield argument if argument in block.roles else block.anchor, value, hidden
 
 
-def _changeable(task: Task, token: Token) -> list[VaryingProperty]:
+def changeable(task: Task, token: Token) -> list[VaryingProperty]:
     """Return the properties of a token that a block writes. For a place, return the position, which differs by task."""
     written = {
         name
@@ -142,10 +142,10 @@ def _changed_states(
     """Yield pairs of (state in which one property of a token is changed, name of this property)."""
     for varying in properties:
         for size in _SIZES:
-            yield _changed(state, token, varying, size, rng), varying.name
+            yield changed_state(state, token, varying, size, rng), varying.name
 
 
-def _changed(state: State, token: Token, varying: VaryingProperty, size: float, rng: np.random.Generator) -> State:
+def changed_state(state: State, token: Token, varying: VaryingProperty, size: float, rng: np.random.Generator) -> State:
     """Return the state with a property changed by a random vector of the given length, in SI units or in radians."""
     turning = varying.name in _TURNED
     way = rng.normal(size=3 if turning else varying.size)
@@ -172,8 +172,6 @@ def _check_rates(
     rng: np.random.Generator,
 ) -> None:
     """Compare how fast a margin changes with how fast a property of the same unit changes."""
-    if predicate.static:
-        return  # Feasibility facts choose the best of several grasps or sides, so their margins may jump.
     for parameter, value, argument in zip(predicate.parameters, values, owner[1].arguments, strict=True):
         for varying in value.varying if isinstance(value, Token) else ():
             if _TURNED.get(varying.name, varying.unit) != predicate.unit:
@@ -201,6 +199,6 @@ def _rate(
 ) -> float:
     """Return the median rate of a margin for random changes of a property by the given size."""
     before = float(predicate.evaluate(state, *values))
-    states = [_changed(state, *owned, size, rng) for _ in range(_RATES)]
+    states = [changed_state(state, *owned, size, rng) for _ in range(_RATES)]
     margins = [margin for changed in states if (margin := _margin(predicate, changed, values)) is not None]
     return float(np.median(np.abs(np.array(margins) - before))) / size if margins else 0.0

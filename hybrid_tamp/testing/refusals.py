@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from hybrid_tamp.errors import DomainError, ForeignCommand, Issue, ShapeError
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.predicate import Binding, Literal, Predicate, name_of
+from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, name_of
 from hybrid_tamp.model.token import UnknownTarget, UnknownToken
 from hybrid_tamp.testing.disagreement import Disagreements, first_role
 
@@ -50,9 +50,12 @@ def owners_of(where: str, blocks: Iterable[Block]) -> list[Block]:
 
 
 def predicates_of(block: Block) -> Mapping[Predicate, Literal | None]:
-    """Return a mapping from each predicate of a block to its first condition, or to None without a condition."""
+    """Return a mapping from each predicate of a block to its first condition, or to None without a condition.
+
+    Conditions without wildcards come first, because their arguments name the roles.
+    """
     found: dict[Predicate, Literal | None] = {}
-    for literal in (*block.entry, *block.invariants, *block.exit):
+    for literal in sorted((*block.entry, *block.invariants, *block.exit), key=lambda each: ANY in each.arguments):
         found.setdefault(literal.predicate, literal)
     for predicate in block.keeps:
         found.setdefault(predicate, None)

@@ -38,6 +38,7 @@ class Rollouts:
         lengths: number of time steps of each row until its exit conditions hold, or until the row ends without success,
             shape ``(n,)``.
         reached: whether the exit conditions of each row hold at its end, shape ``(n,)``.
+        dt: time step [s].
     """
 
     block: Block
@@ -46,6 +47,7 @@ class Rollouts:
     states: State
     lengths: NDArray[np.int64]
     reached: BoolArray
+    dt: float
 
     @property
     def rows(self) -> list[int]:
@@ -129,7 +131,7 @@ def roll_out_rows(
         if reached[0] and passed >= _SLOWEST * lengths[0]:
             break
     lengths = np.minimum(lengths, len(history) - 1)
-    return Rollouts(block, binding, start, State(start.layout, np.array(history)), lengths, reached)
+    return Rollouts(block, binding, start, State(start.layout, np.array(history)), lengths, reached, dt)
 
 
 def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:

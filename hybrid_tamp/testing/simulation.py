@@ -3,23 +3,23 @@
 import logging
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from contextlib import ExitStack
 
 import numpy as np
 
-from hybrid_tamp.errors import InputError
+from hybrid_tamp.errors import DomainError, InputError
 from hybrid_tamp.execution.running_instance import RunError, Running, command_instances
-from hybrid_tamp.model.block import FLOOR, Block
+from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.contacts import ContactRules
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Binding, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.protocol import Backend, Pair, open_backend
-from hybrid_tamp.testing.disagreement import Disagreements, first_role, with_unit
-from hybrid_tamp.testing.rollouts import Rollouts, roll_out_rows
+from hybrid_tamp.testing.disagreement import Disagreements
+from hybrid_tamp.testing.misses import Misses
+from hybrid_tamp.testing.rollouts import roll_out_rows
 from hybrid_tamp.testing.walk import Chooser
 
 _BACKEND = "pybullet"
@@ -32,8 +32,6 @@ _SETTLING = 0.25
 """Time for which a block without exit conditions runs [s]."""
 _LIGHT, _LONG = 0.5, 24
 """Two bodies touch if the force exceeds the first value [N] for more than this number of control periods."""
-_DISTANCE, _SHARE = 0.05, 0.25
-"""Largest distance between the final positions [m], and largest share of the movement. The larger of both counts."""
 
 _logger = logging.getLogger(__name__)
 
@@ -53,28 +51,19 @@ def simulate_blocks(task: Task, chooser: Chooser, found: Disagreements, rng: np.
         rng: random generator.
         dt: time step of the rollouts of the forward models [s].
     """
-    with open_backend(_BACKEND) as backend:
+    with ExitStack() as stack:
         try:
+            backend = stack.enter_context(open_backend(_BACKEND))
             backend.reset(task, task.state)
+        except DomainError:
+            raise
         except InputError as error:
             _logger.warning("the blocks are not run in physics: %s", error)
             return
         physics = _Physics(task, chooser, found, rng, dt, backend)
         for _ in range(_WALKS):
             physics.walk()
-        physics.report()
-
-
-@dataclass
-class _Miss:
-    """A mistake that a run in physics shows, unless another run of the block shows none."""
-
-    kind: str
-    block: Block
-    binding: Binding
-    declared: str
-    measured: str
-    role: str
+        physics.misses.report(found)
 
 
 class _Physics:
@@ -85,8 +74,7 @@ class _Physics:
     ) -> None:
         self._task, self._chooser, self._found, self._rng, self._dt = task, chooser, found, rng, dt
         self._backend, self._layout = backend, CommandLayout.of(task)
-        self._agreed: set[str] = set()
-        self._missed: dict[str, _Miss] = {}
+        self.misses = Misses(task, dt)
 
     def walk(self) -> None:
         """Run one block after another, until every block has agreed with its model or no other block can be entered."""
@@ -102,15 +90,9 @@ class _Physics:
                 return
             state, places = after, self._places(block, binding, places)
 
-    def report(self) -> None:
-        """Add the contacts and the misses of the blocks that never agreed with their forward models."""
-        for name, miss in self._missed.items():
-            if name not in self._agreed:
-                self._found.add(miss.kind, miss.block, miss.binding, miss.declared, miss.measured, miss.role)
-
     def _choose(self, state: State, places: Mapping[str, _Place]) -> tuple[Block, Binding] | None:
         """Return a block that can be entered lawfully. Blocks that have not agreed with their models are preferred."""
-        if all(block.name in self._agreed for block in self._chooser.blocks):
+        if all(block.name in self.misses.agreed for block in self._chooser.blocks):
             return None
         every = [
             (choice.block, binding)
@@ -118,7 +100,7 @@ class _Physics:
             for binding in choice.bindings
             if self._is_lawful(choice.block, binding, places)
         ]
-        fresh = [pair for pair in every if pair[0].name not in self._agreed]
+        fresh = [pair for pair in every if pair[0].name not in self.misses.agreed]
         moving = [(b, v) for b, v in every if any(float(each.margin(state, v)) < 0 for each in b.measured_exits)]
         options = fresh or moving
         return options[int(self._rng.integers(len(options)))] if options else None
@@ -141,24 +123,29 @@ class _Physics:
         rolled = roll_out_rows(block, binding, start, chosen, 1, self._dt)
         longest = _FACTOR * int(rolled.lengths[0]) * self._dt + _PATIENCE if block.measured_exits else _SETTLING
         try:
-            state, done = self._execute(block, binding, start, longest)
+            state, elapsed = self._execute(block, binding, start, longest)
         except RunError as error:
-            self._miss(rolled, "the policy works in physics", error.reason, block.anchor)
+            self.misses.note(rolled, "the policy works in physics", error.reason, block.anchor)
             return None
         if state is None:
             return None
-        if not done and block.measured_exits:
+        if elapsed is None and block.measured_exits:
             if rolled.rows:
-                self._miss_exit(rolled, state, longest)
+                self.misses.note_exit(rolled, state, longest)
             return None
         if rolled.rows:
-            self._compare(rolled, state)
+            self.misses.compare(rolled, state, elapsed)
         else:
-            self._agreed.add(block.name)  # The forward model is reported already, because no rollout succeeds.
+            self.misses.agreed.add(block.name)  # The forward model is reported already, because no rollout succeeds.
         return state
 
-    def _execute(self, block: Block, binding: Binding, state: State, longest: float) -> tuple[State | None, bool]:
-        """Return the state at the end of a run, or None after a contact, and whether the exit conditions hold."""
+    def _execute(
+        self, block: Block, binding: Binding, state: State, longest: float
+    ) -> tuple[State | None, float | None]:
+        """Return the state at the end of a run, and the time at which the exit conditions hold [s].
+
+        The state is None after a contact that is not allowed. The time is None if the exit conditions do not hold.
+        """
         instances = list(_instances(self._task, block, binding))
         rules = ContactRules(self._task.domain.block_by_name, instances)
         self._backend.assign(instances)
@@ -174,60 +161,11 @@ class _Physics:
                 touched[one, other] += force > _LIGHT and not rules.allow(one, other)
                 heavy = force > self._task.limits.contact and not rules.allow(one, other)
                 if heavy or touched[one, other] > _LONG:
-                    self._note_contact(block, binding, (one, other), force, (step + 1) * period)
-                    return None, False
+                    self.misses.note_contact(block, binding, (one, other), force, (step + 1) * period)
+                    return None, None
             if block.measured_exits and running[0].is_ready((step + 1) * period, state):
-                return state, True
-        return state, False
-
-    def _note_contact(self, block: Block, binding: Binding, pair: Pair, force: float, elapsed: float) -> None:
-        roles = {name_of(value): role for role, value in binding.items()} | {FLOOR: "FLOOR"}
-        if not all(name in roles for name in pair):
-            return  # Which bodies stand in the way depends on the task, and collisions with them are not checked.
-        one, other = sorted(pair, key=list(roles).index)
-        named = f"{roles[one]} and {roles[other]}"
-        limit = self._task.limits.contact
-        measured = (
-            f"{one} and {'the floor' if other == FLOOR else other} touch with {force:.1f} N after {elapsed:.3f} s in "
-            f"physics; only short contacts of up to {limit:g} N are tolerated"
-        )
-        miss = _Miss("contact", block, binding, f"{named} do not touch", measured, roles[one])
-        self._missed.setdefault(block.name, miss)
-
-    def _miss(self, rolled: Rollouts, declared: str, measured: str, role: str) -> None:
-        self._missed.setdefault(
-            rolled.block.name, _Miss("model", rolled.block, rolled.binding, declared, measured, role)
-        )
-
-    def _miss_exit(self, rolled: Rollouts, state: State, elapsed: float) -> None:
-        """Note the exit condition with the largest shortfall at the end of a run in physics."""
-        margins = {each: float(each.margin(state, rolled.binding)) for each in rolled.block.measured_exits}
-        literal = min(margins, key=lambda each: margins[each] / each.predicate.scale)
-        measured = (
-            f"the forward model reaches the condition after {rolled.lengths[0] * self._dt:.3g} s, and in physics the "
-            f"margin is {with_unit(margins[literal], literal.predicate)} after {elapsed:.3g} s"
-        )
-        self._miss(rolled, literal.text, measured, first_role(rolled.block, literal.arguments))
-
-    def _compare(self, rolled: Rollouts, state: State) -> None:
-        """Compare the final positions in physics and in the forward model."""
-        block, predicted, agreed = rolled.block, rolled.end(0), True
-        for slot in block.slots:
-            token = rolled.binding[slot.name]
-            if not isinstance(token, Token) or "position" not in block.writes.get(slot.name, ()):
-                continue
-            moved = float(np.linalg.norm(predicted[token, "position"] - rolled.start[token, "position"]))
-            apart = float(np.linalg.norm(predicted[token, "position"] - state[token, "position"]))
-            limit = max(_DISTANCE, _SHARE * moved)
-            if apart > limit:
-                agreed = False
-                measured = (
-                    f"in physics {token.name} ends {apart:.3g} m away from its position in the forward model, after a "
-                    f"movement of {moved:.3g} m; {limit:.3g} m is tolerated"
-                )
-                self._miss(rolled, f"the forward model of {slot.name}", measured, slot.name)
-        if agreed:
-            self._agreed.add(block.name)
+                return state, (step + 1) * period
+        return state, None
 
 
 def _first_place(block: Block) -> _Place:

@@ -12,7 +12,7 @@ import pytest
 from crates import CRATE, DOCK, DURATION, HAND, Change, Named, length
 
 from hybrid_tamp.errors import DomainError
-from hybrid_tamp.model.block import FLOOR
+from hybrid_tamp.model.block import FLOOR, Duration, Target
 from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Predicate
@@ -62,6 +62,12 @@ def forgetful() -> Any:
         }
 
     return {"policy": make}
+
+
+def stretched(after: State, before: State, factor: float) -> State:
+    """Return the next state with a movement of the hand that is multiplied by a factor."""
+    key = ("hand", "position")
+    return after.replace({key: before[key] + factor * (after[key] - before[key])})
 
 
 def with_entry(name: str, *arguments: str, keeps: str = "low") -> Change:
@@ -165,6 +171,8 @@ def mistakes_of_functions() -> Iterator[Any]:
     yield seed("holds", "PUSHING", "hand", {"PUSHING": carry}, name="write of a token without a role")
     backwards = policy_with(over(lambda force: -0.1 * force), crates.reach)
     yield seed("sign", "REACHING", "hand", {"REACHING": backwards}, name="sign of a force")
+    fast = system_with(lambda after, before, dt: stretched(after, before, 1000.0), crates.move)
+    yield seed("unit", "REACHING", "hand", {"REACHING": fast}, name="position in millimetres")
     yield seed("exit", "PUSHING", "crate", {"PUSHING": system_with(lambda after, before, dt: before)})
     yield seed("model", "PUSHING", "crate", {"PUSHING": {"policy": stay, "system": glide}})
 
@@ -174,10 +182,14 @@ def mistakes_of_declarations() -> Iterator[Any]:
         return {"PUSHING": {"hyperparameters": hyperparameters}}
 
     yield seed("sign", "PUSHING", "crate", margin_with("docked", lambda m, *_: -m))
+    negative = margin_with("at_rest", lambda m, *_: -m)
+    yield seed("sign", "RESTING", "token", negative, name="sign of an entry condition")
     yield seed("unit", "PUSHING", "crate", margin_with("docked", lambda m, *_: 1000.0 * m), name="millimetres")
     yield seed("unit", "PUSHING", "tilt", tuned(DURATION, TILT), name="degrees")
     yield seed("unit", "PUSHING", "duration", tuned(replace(DURATION, unit="ms")), name="unit with a prefix")
     yield seed("reads", "PUSHING", "crate", {"docked": {"reads": {"dock": ("position",)}}})
+    unread = {"REACHING": {"targets": (Target("crate", crates.Crate, reads=()), Target("dock", crates.Dock))}}
+    yield seed("reads", "REACHING", "crate", unread, name="read of a target")
     other = margin_with("in_hall", lambda m, s, hand: m - 0.1 * s["crate", "position"][..., 0])
     yield seed("reads", "REACHING", "hand", other, name="read of another token")
     written = {"hand": ("position", "velocity"), "crate": ("position",)}
@@ -202,6 +214,8 @@ def mistakes_of_declarations() -> Iterator[Any]:
     yield seed("bounds", "PUSHING", "duration", tuned(replace(DURATION, within=lambda binding: (9.0, 2.0))))
     early = replace(DURATION, initial=lambda b, s: -crates.duration(b, s))
     yield seed("bounds", "PUSHING", "duration", tuned(early), name="guess outside the bounds")
+    late = Duration(0.5, 20.0, lambda b, s, h: 1000.0 * crates.expected(b, s, h))
+    yield seed("bounds", "PUSHING", "hand", {"PUSHING": {"duration": late}}, name="duration in milliseconds")
 
 
 WITHOUT_FIGURE = ("commands", "error", "sees", "holds", "unit")
@@ -254,3 +268,8 @@ def test_bounds_upside_down_are_refused_with_block_figure_and_remedy() -> None:
     (issue,) = caught.value.issues
     assert (issue.where, issue.came) == ("PUSHING.duration", "[9.0, 2.0] s")
     assert issue.remedy == "exchange the bounds"
+    with pytest.raises(DomainError) as caught:
+        crates.make_task({"PUSHING": {"duration": Duration(9.0, 2.0, crates.expected)}})
+    (issue,) = caught.value.issues
+    assert (issue.where, issue.came) == ("PUSHING.duration", "the minimum 9 s and the maximum 2 s")
+    assert issue.remedy == "exchange or correct the bounds"
