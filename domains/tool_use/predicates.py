@@ -9,6 +9,7 @@ from ..common.predicates import inside, length_predicate
 from ..common.roles import POSE
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .geometry import (
+    LEVEL,
     RAISED,
     beside,
     foot,
@@ -35,6 +36,8 @@ _FOOT_TOLERANCE = 0.005
 _TILT_TOLERANCE = np.radians(5.0)
 _STANCE_TOLERANCE = 0.02
 _ANGLE_TOLERANCE = np.radians(6.0)
+_CLEAR = 0.075
+"""Smallest angle above the horizontal at which a tool is clear of the object that the tool has struck [rad]."""
 
 
 def _closeness_to_handle(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -77,6 +80,10 @@ def _push_stance(state: State, tool: Token, thing: Token, region: Token) -> Floa
 def _strike_stance(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
     off = norm(state[hand, "position"] - strike_place(state, hand, tool, top(state, thing)))
     return _stance(off, swing_angle(state, tool) - RAISED)
+
+
+def _tilt(state: State, tool: Token) -> FloatArray:
+    return LEVEL - _CLEAR - swing_angle(state, tool)
 
 
 def _impulse(state: State, thing: Token) -> FloatArray:
@@ -137,6 +144,17 @@ IN_STRIKE_STANCE = length_predicate(
     description="{hand} has raised {tool} to strike {object}",
     denial="{hand} has not raised {tool} to strike {object}",
 )
+TILTED_UP = Predicate(
+    "tilted_up",
+    (Parameter("tool", Striker),),
+    _tilt,
+    unit="rad",
+    scale=0.05,
+    reads={"tool": ("orientation",)},
+    kind=Kind.MAINTAINED,
+    description="{tool} is tilted up, clear of what {tool} has struck",
+    denial="{tool} is not tilted up",
+)
 STRUCK = Predicate(
     "struck",
     (_STRUCK,),
@@ -147,4 +165,4 @@ STRUCK = Predicate(
     description="{object} has been struck hard enough",
     denial="{object} has not been struck hard enough",
 )
-CHANGING = (INSIDE, AT_HANDLE, EMPTY, HELD, STANDS, IN_PUSH_STANCE, IN_STRIKE_STANCE, STRUCK)
+CHANGING = (INSIDE, AT_HANDLE, EMPTY, HELD, STANDS, IN_PUSH_STANCE, IN_STRIKE_STANCE, TILTED_UP, STRUCK)

@@ -55,14 +55,15 @@ from .geometry import (
 )
 from .holding import HeldTool, keeping, pose_tool
 from .impact import bounced, effective_mass, impulse_within_period, knocked
-from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK
+from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK, TILTED_UP
 from .swing import LARGEST_RADIUS
 
 _ABOVE = 0.15
 """Angle above the horizontal to which the hand raises the tool after the impact [rad]."""
 _RAISING_RATE = 20.0
 """Natural frequency of the servo that raises the tool [rad/s]."""
-_SETTLING = 0.5
+_SETTLING = 0.2
+"""Time from the impact until the tool is raised and at rest [s]."""
 _TOUCH = 1e-6
 
 
@@ -205,6 +206,8 @@ STRIKING = Block(
         STRUCK("object"),
         HELD("tool", "hand"),
         ~STANDS("tool"),
+        # Without this condition, the block could end as soon as the impact has stopped the tool, before the tool rises.
+        TILTED_UP("tool"),
         AT_REST("object"),
         AT_REST("hand"),
         AT_REST("tool"),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hybrid_tamp_domains.common.metrics import run_of
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
+from hybrid_tamp_domains.tool_use.geometry import LEVEL, swing_angle
 from random_tasks.hammer import Scene, hammer_task, random_hammer
 
 import hybrid_tamp
@@ -107,19 +108,25 @@ def test_a_grip_that_is_too_weak_for_every_swing_is_refused() -> None:
     assert "slips in the grip of hand before it can strike block hard enough" in str(outcome.error)
 
 
-@pytest.mark.parametrize("grasp", [0.05, 0.12])
+@pytest.mark.parametrize("grasp", [0.05, 0.07, 0.12])
 @pytest.mark.parametrize("grip", [80.0, 200.0])
-def test_the_recoil_and_the_impulse_are_those_of_the_forward_model(grasp: float, grip: float) -> None:
+def test_the_recoil_the_impulse_and_the_duration_of_a_strike_are_those_of_the_forward_model(
+    grasp: float, grip: float
+) -> None:
     task = with_grip(hammer_task("blow", Scene(start=(0.5, 0.0)), ("strike",)), grip)
-    figures = []
+    figures, durations = [], []
     for backend in ("pybullet", "analytic"):
         recording, _ = run(task, backend, grasp_location=grasp)
         assert recording.success
         strike = next(instance for instance in recording.instances if instance.block == "STRIKING")
         end, states = recording.at(strike.end), run_of(recording, strike.start, strike.end)
+        durations.append(strike.end - strike.start)
+        # The strike ends after the tool has risen, not at the instant at which the impact has stopped the tool.
+        assert swing_angle(end, task.token_by_name["hammer"]) < LEVEL - 0.1
         figures.append((end["block", "impulse"][0], np.linalg.norm(states["hand", "velocity"], axis=-1).max()))
     (impulse, recoil), (impulse_predicted, recoil_predicted) = figures
     assert impulse == pytest.approx(impulse_predicted, rel=0.15)
     # The grip yields during the blow, so the hand is thrown back less than a hand that is one body with the tool.
     assert 0.4 * recoil_predicted < recoil < 1.1 * recoil_predicted
     assert recoil > 0.1
+    assert durations[0] == pytest.approx(durations[1], rel=0.05)
