@@ -38,6 +38,7 @@
     (stands ?tool - graspable)
     (in_push_stance ?tool - graspable ?object - token ?region - region)
     (in_strike_stance ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
+    (tilted_up ?tool - graspable)
     (struck ?object - token)
     (liftable ?hand - n-2-virtual-fingered-hand ?tool - graspable)
     (wide_enough ?hand - n-2-virtual-fingered-hand ?tool - graspable)
@@ -331,6 +332,7 @@
       (moved-carrying-strike-tool ?hand)
       (claimed-striking-tool ?hand)
       (held ?tool ?hand)
+      (tilted_up ?tool)
       (at_rest ?tool)
       (in-striking-tool ?tool ?hand)
     )
@@ -1212,6 +1214,7 @@
     )
     :effect (and
       (not (in-striking-tool ?tool ?hand))
+      (not (tilted_up ?tool))
       (not (full-striking-tool ?hand))
       (not (unclaimed ?hand))
       (moved-striking-tool ?hand)
@@ -1242,6 +1245,7 @@
     )
     :effect (and
       (not (in-striking-tool ?tool ?hand))
+      (not (tilted_up ?tool))
       (not (full-striking-tool ?hand))
       (not (unclaimed ?hand))
       (not (stands ?tool))
@@ -1273,6 +1277,7 @@
     )
     :effect (and
       (not (in-striking-tool ?tool ?hand))
+      (not (tilted_up ?tool))
       (not (full-striking-tool ?hand))
       (not (unclaimed ?hand))
       (not (stands ?tool))
