@@ -57,6 +57,7 @@ _GOAL: Keys = ("atom", Key("margin", "measured"), "holds")
 _REFINEMENT: Keys = (
     *_of("refinement", "optimiser", "evaluations", "seconds", "stopped", "best", "defaults", "apart"),
     *_of("refinement", "hyperparameters", "performance", "history"),
+    Key("objective", "task.midlevel.objective", default="performance"),
     Key("rounds", "excluded"),
     Key("physics", "refinement.physics", default=None),
 )

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.report.documents import Json, parse_document
 from hybrid_tamp.report.folder import NUMBERED_FILES, RUN_FILES, RunFolder
-from hybrid_tamp.report.refinement_tables import KEPT, comparison, efforts, exclusion_text, number, values
+from hybrid_tamp.report.refinement_tables import KEPT, MEANINGS, comparison, efforts, exclusion_text, number, values
 from hybrid_tamp.report.tables import allocation, allocations, margin, network_text, plan_footer, reasons
 
 PAGE = "report.html"
@@ -53,6 +53,7 @@ def _content(path: Path, plan: Json, result: Json | None, resting: str) -> dict[
         "performance": (result or refinement or {"performance": []})["performance"],
         "values": list(values(refinement)) if refinement else [],
         "effort": "; ".join(efforts(refinement)) if refinement else "",
+        "meaning": MEANINGS[refinement["objective"]] if refinement else "",
         "kept": KEPT,
         "comparison": list(comparison(result["comparison"])) if result else [],
         "steps": sorted(file.name for file in path.glob(NUMBERED_FILES[0])),

@@ -9,6 +9,11 @@ from rich.text import Text
 from hybrid_tamp.report.documents import Json
 from hybrid_tamp.report.tables import new_table, roles_text
 
+MEANINGS = {
+    "performance": "value: weighted sum of the performance measures of all blocks",
+    "distance": "value: minus the distance between final state and goal; the performance measures do not count",
+}
+"""Maps each objective of the mid-level planner to a line that states what the value of a plan is."""
 KEPT = "The hyperparameters keep their defaults, which satisfy all conditions."
 
 
@@ -25,7 +30,8 @@ def refinement_tables(entry: Json, performance: Sequence[Json] | None = None) ->
         shown.append(_performance(measures))
     if entry["optimiser"]:
         numbers = {f"{each['instance']}.{each['measure']}": number for number, each in enumerate(measures, start=1)}
-        shown += [_hyperparameters(entry["hyperparameters"], numbers), _values(entry), *map(Text, efforts(entry))]
+        tables = (_hyperparameters(entry["hyperparameters"], numbers), _values(entry))
+        shown += [*tables, Text(MEANINGS[entry["objective"]]), *map(Text, efforts(entry))]
     elif entry["hyperparameters"]:
         shown.append(Text(KEPT))
     return Group(*shown)

@@ -1,5 +1,6 @@
 """Tables, the curve and the progress bar of an optimisation, from data made by hand."""
 
+from dataclasses import replace
 from io import BytesIO, StringIO
 
 import numpy as np
@@ -27,8 +28,9 @@ HISTORY = (Milestone(48, 0.5, float("nan")), Milestone(96, 0.0, 1.0), Milestone(
 MISSED = Value(0.75, 3.0)
 
 
-def entry(defaults: Value = MISSED, optimiser: str = "cma") -> Json:
+def entry(defaults: Value = MISSED, optimiser: str = "cma", objective: str = "performance") -> Json:
     task = rolling_task()
+    task = task.replaced(midlevel=replace(task.midlevel, objective=objective))
     tuned = GRASP if optimiser else Tuned(*"ab", "m", 0.0, 1.0, 0.5, 0.5, "kept")
     refined = RefinedPlan(
         plan=TaskPlan((), 0.0),
@@ -73,6 +75,12 @@ def test_the_tables_say_all_in_80_columns() -> None:
     assert row == ["grasp_location", "[m]", "0.1235", "0.1", "0.1", "-0.123", "to", "0.3", "optimised", "1"]
     assert any(line.split() == ["each", "action", "on", "its", "own", "1.5", "+0.5"] for line in lines)
     assert any(line.split() == ["the", "defaults", "violates", "conditions", "by", "0.75", "scales"] for line in lines)
+
+
+@pytest.mark.parametrize(("objective", "word"), [("performance", "weighted sum"), ("distance", "minus the distance")])
+def test_the_tables_say_what_the_value_of_a_plan_is(objective: str, word: str) -> None:
+    (line,) = (line for line in shown(entry(objective=objective)) if line.startswith("value: "))
+    assert word in line
 
 
 def test_what_is_kept_is_one_line() -> None:
