@@ -111,6 +111,8 @@ class Scan:
     scores: Scores
     equal: float = 0.0
     """Largest difference of values between equally good grasps; it covers rounding."""
+    middle: float | None = None
+    """Middle of the handle [m]. If None, the grasps cover the whole handle."""
 
     @property
     def _good(self) -> NDArray[np.bool_]:
@@ -121,7 +123,8 @@ class Scan:
     @property
     def best(self) -> float:
         """The best grasp [m]. If several grasps are equally good, the grasp nearest to the middle of the handle."""
-        away = np.abs(self.grasps - (self.grasps[0] + self.grasps[-1]) / 2)
+        middle = (self.grasps[0] + self.grasps[-1]) / 2 if self.middle is None else self.middle
+        away = np.abs(self.grasps - middle)
         return float(self.grasps[np.argmin(np.where(self._good, away, np.inf))])
 
     @property
