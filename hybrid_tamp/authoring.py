@@ -1,7 +1,7 @@
 """The public names for authors of domains: classes, predicates, blocks, shapes, rotations, motor primitives, constants.
 
-This module only re-exports names. A domain may import `hybrid_tamp`, `hybrid_tamp.authoring` and `hybrid_tamp.testing`,
-but no other module of `hybrid_tamp`.
+This module only re-exports names. A domain may import `hybrid_tamp`, `hybrid_tamp.authoring`, `hybrid_tamp.skills` and
+`hybrid_tamp.testing`, but no other module of `hybrid_tamp`.
 """
 
 from hybrid_tamp.geometry.agreement import CylinderSize as CylinderSize

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 
@@ -13,6 +12,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.skills import Region, StaticEndEffector
 
 HAND = {
     "radius": 0.035,

@@ -1,18 +1,23 @@
 """Joint lifting (paper, Sec. II-E): several hands together lift an object that is too heavy for fewer hands.
 
 Modules, in reading order: `places`, `classes`, `load`, `predicates`, `bearing`, `lifting` (LIFTING, HOLDING and
-LOWERING). `..common` provides REACHING (D5) and RESTING (D6).
+LOWERING). `hybrid_tamp.skills` provides REACHING (D5) and RESTING (D6).
 """
 
 from collections.abc import Iterator
 
 from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwork, State, Target
+from hybrid_tamp.skills import (
+    AT_REST,
+    IN_WORKSPACE,
+    RESTING,
+    ReachGoal,
+    StaticEndEffector,
+    get_symbol,
+    get_tokens,
+    make_reaching,
+)
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.reaching import ReachGoal, reaching
-from ..common.resting import RESTING
-from ..common.roles import get_symbol, get_tokens
 from .bearing import places_of
 from .classes import Liftable
 from .lifting import BEARING, MODES
@@ -56,12 +61,11 @@ _BESIDE = ReachGoal(
     # The reach has a fixed shape, which passes through large boxes.
     lasting=(STANDS("object"), OUTSIDE("hand", "object")),
 )
-_BLOCKS = (reaching(_BESIDE, "place"), *BEARING, RESTING)
+_BLOCKS = (make_reaching(_BESIDE, "place"), *BEARING, RESTING)
 
 DOMAIN = Domain(
     name="joint_lifting",
     classes=(StaticEndEffector, Liftable),
-    disjoint=((StaticEndEffector, Liftable),),
     predicates=(AT_REST, IN_WORKSPACE, *PREDICATES),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),

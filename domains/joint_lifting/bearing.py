@@ -23,10 +23,8 @@ from hybrid_tamp.authoring import (
     State,
     Token,
 )
+from hybrid_tamp.skills import STIFFNESS, UP, damping, dot, force_on, get_token
 
-from ..common.roles import get_token
-from ..common.servos import STIFFNESS, damping, force_on
-from ..common.vectors import UP, dot
 from .load import friction, largest_squeeze, load, squeeze_for
 from .places import CREWS, corner_heights, gap_at, outward
 

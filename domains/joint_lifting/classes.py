@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from typing import ClassVar
 
 from hybrid_tamp.authoring import AffordanceClass, State, Token, quantity
+from hybrid_tamp.skills import BoxShaped, Extents, find_box_fault, friction_property, mass_property
 
-from ..common.classes import BoxShaped, Extents, find_box_fault, friction_property, mass_property
 from .places import FLOOR_TOLERANCE, corner_heights
 
 

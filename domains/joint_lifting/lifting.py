@@ -28,13 +28,19 @@ from hybrid_tamp.authoring import (
     Slot,
     State,
 )
+from hybrid_tamp.skills import (
+    AT_REST,
+    BODY,
+    IN_WORKSPACE,
+    MOTION,
+    REST_SPEED,
+    UP,
+    StaticEndEffector,
+    profile_of,
+    round_up,
+    straight_profile,
+)
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
-from ..common.primitives import profile_of, straight_profile
-from ..common.roles import BODY, MOTION
-from ..common.timetable import round_up
-from ..common.vectors import UP
 from .bearing import Course, Roles, bearing, bearing_system, places_of, squeezing
 from .classes import Liftable
 from .heights import rising, usual_height

@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, rotate
+from hybrid_tamp.skills import UP, measure_instances, run_of
 
-from ..common.metrics import measure_instances, run_of
-from ..common.vectors import UP
 from .lifting import GRASPED
 from .places import corner_heights, offset_in_box
 

@@ -12,8 +12,7 @@ from itertools import product
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, State, SymbolSort, Token, rotate
-
-from ..common.vectors import to_body
+from hybrid_tamp.skills import to_body
 
 SPOTS: dict[str, tuple[float, float]] = {
     "left": (-1.0, 0.0),

@@ -2,12 +2,17 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token, rotate
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, SafetyFactor, State, Token, rotate
+from hybrid_tamp.skills import (
+    POSE,
+    UP,
+    StaticEndEffector,
+    competence,
+    length_predicate,
+    near,
+    physical_bound,
+)
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import everywhere, length_predicate, near
-from ..common.roles import POSE
-from ..common.vectors import UP
 from .classes import Liftable
 from .load import RESERVE, bearable, friction, load
 from .places import (
@@ -165,19 +170,17 @@ OUTSIDE = length_predicate(
     description="{hand} is outside {object}",
     denial="{hand} passes through {object}",
 )
-UPRIGHT = Predicate(
+UPRIGHT = competence(
     "upright",
     (_HAND,),
     _uprightness,
     unit="1",
     scale=0.05,
     reads={"hand": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="{hand} is upright",
     denial="{hand} cannot turn and is not upright",
 )
-ON_SIDE = Predicate(
+ON_SIDE = competence(
     "on_side",
     (_HAND, _OBJECT, _PLACE),
     _outlook,
@@ -185,38 +188,31 @@ ON_SIDE = Predicate(
     scale=0.1,
     # The side on which the hand starts does not change, so `reads` omits the position of the hand.
     reads={"object": POSE},
-    kind=Kind.STATIC,
-    competence=True,
     description="{hand} starts on the {place} side of {object}",
     denial="{hand} does not start on the {place} side of {object}",
 )
 """Each hand stays on its side and in its half of a box, because two hands that changed sides could collide."""
-WITHIN_REACH = length_predicate(
+WITHIN_REACH = competence(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),
     _reach,
     reads={"object": POSE},
-    kind=Kind.STATIC,
-    competence=True,
     description="the {place} of {object} is in the workspace of {hand} throughout the lowest lift",
     denial="the {place} of {object} leaves the workspace of {hand} even during the lowest lift",
 )
-FITS = length_predicate(
+FITS = competence(
     "fits",
     (_HAND, _OBJECT, _PLACE),
-    everywhere(_room),
-    kind=Kind.STATIC,
-    competence=True,
+    _room,
     description="{hand} fits at the {place} of {object}",
     denial="{hand} does not fit at the {place} of {object}",
 )
-BEARS = Predicate(
+BEARS = physical_bound(
     "bears",
     (_HAND, _OBJECT, _CREW),
-    everywhere(_strength),
+    _strength,
     unit="N",
     scale=10.0,
-    kind=Kind.STATIC,
     description="{hand}, as one of {crew}, can bear its share of the weight of {object} by friction",
     denial="{hand}, as one of {crew}, cannot bear its share of the weight of {object} by friction",
     share=_share,
@@ -224,25 +220,21 @@ BEARS = Predicate(
         RESERVE, "ratio of the squeeze to the smallest squeeze without slip; covers acceleration and unequal shares"
     ),
 )
-GRIPPABLE = Predicate(
+GRIPPABLE = competence(
     "grippable",
     (_OBJECT,),
-    everywhere(_grip),
+    _grip,
     unit="1",
     scale=0.01,
-    kind=Kind.STATIC,
-    competence=True,
     description="{object} is rough enough for hands that press slightly askew",
     denial="{object} is too smooth: it slips out between hands that press slightly askew",
 )
-HEAVY_ENOUGH = Predicate(
+HEAVY_ENOUGH = competence(
     "heavy_enough",
     (_OBJECT,),
-    everywhere(_weight),
+    _weight,
     unit="N",
     scale=0.01,
-    kind=Kind.STATIC,
-    competence=True,
     description="{object} is heavy enough for hands that lift it",
     denial="{object} is so light that hands would tilt it instead of lifting it",
 )

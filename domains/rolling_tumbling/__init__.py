@@ -3,16 +3,13 @@
 Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `resistance`, `rolling` (D1).
 Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `sliding`,
 `control_predicates`, `turning`, `tipping` (D2 to D4), `detours`, `reaching_around` (D5).
-`..common` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling` test whether
-new objects can be rolled and tumbled.
+`hybrid_tamp.skills` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling`
+test whether new objects can be rolled and tumbled.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
+from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Region, StaticEndEffector, make_reaching
 
-from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.reaching import reaching
-from ..common.resting import RESTING
 from .classes import Rollable, Tumblable
 from .control_predicates import CONTROL_PREDICATES
 from .metrics import CONTROLLED, metrics
@@ -25,7 +22,7 @@ from .rolling import REACH_BEHIND, ROLLING
 from .tipping import TILTING, TIPPING
 from .tumbling_predicates import TUMBLING_PREDICATES
 
-_BLOCKS = (reaching(REACH_BEHIND, "behind"), REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, RESTING)
+_BLOCKS = (make_reaching(REACH_BEHIND, "behind"), REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, RESTING)
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),
@@ -66,7 +63,6 @@ _EDGES = (
 DOMAIN = Domain(
     name="rolling_tumbling",
     classes=(StaticEndEffector, Rollable, Tumblable, Region),
-    disjoint=((StaticEndEffector, Rollable), (StaticEndEffector, Tumblable)),
     predicates=(
         AT_REST,
         INSIDE,

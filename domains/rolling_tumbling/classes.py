@@ -22,8 +22,7 @@ from hybrid_tamp.authoring import (
     rolling_likelihood,
     tumbling_likelihood,
 )
-
-from ..common.classes import (
+from hybrid_tamp.skills import (
     BoxShaped,
     Extents,
     Grounded,
@@ -33,6 +32,7 @@ from ..common.classes import (
     not_negative,
     positive,
 )
+
 from .standing import start_complaint
 
 

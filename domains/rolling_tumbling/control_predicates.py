@@ -2,13 +2,10 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, Predicate, State, Token
+from hybrid_tamp.skills import StaticEndEffector, competence, height_below, length_predicate, norm, one_by_one
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import everywhere, length_predicate, one_by_one
-from ..common.vectors import UP, norm
 from .classes import Tumblable
-from .geometry import reach_of
 from .metrics import CONTROLLED
 from .sliding import friction_needed, leaning_friction
 from .tumbling_geometry import GRIP, room_below, sections
@@ -45,39 +42,33 @@ def _slowness(state: State, thing: Token) -> FloatArray:
 
 def _clearance(state: State, hand: Token) -> FloatArray:
     position = state[hand, "position"]
-    return np.asarray(position[..., 2] - reach_of(hand, state, UP))
+    return np.asarray(position[..., 2] - height_below(state, hand))
 
 
-ROUGH_ENOUGH = Predicate(
+ROUGH_ENOUGH = competence(
     "rough_enough",
     (_HAND, _OBJECT),
     one_by_one(_grip),
     unit="1",
     scale=0.1,
     reads={"object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="the friction of {object} is large enough for {hand} and a second hand to tumble it without slipping",
     denial="{object} is too smooth: its edge slides on the floor when {hand} and a second hand tumble it",
 )
-LARGE_ENOUGH = length_predicate(
+LARGE_ENOUGH = competence(
     "large_enough",
     (_HAND, _OBJECT),
     one_by_one(_size),
     reads={"object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="{object} is large enough for {hand}, which fits between the floor and the leaning box",
     denial="{object} is too small for {hand}, which does not fit between the floor and the leaning box",
 )
-HEAVY_ENOUGH = Predicate(
+HEAVY_ENOUGH = competence(
     "heavy_enough",
     (_OBJECT,),
-    everywhere(lambda thing: float(GRAVITY * thing["mass"]) - _LEAST_WEIGHT),
+    lambda thing: float(GRAVITY * thing["mass"]) - _LEAST_WEIGHT,
     unit="N",
     scale=0.1,
-    kind=Kind.STATIC,
-    competence=True,
     description="{object} is heavy enough for hands that tumble it",
     denial="{object} is so light that hands would throw it instead of tumbling it",
 )

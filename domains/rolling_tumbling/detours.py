@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Profile, State, Token, rotate
+from hybrid_tamp.skills import HORIZONTAL, to_body
 
-from ..common.vectors import HORIZONTAL, to_body
 from .faces import NORMALS, OPPOSITE
 from .tumbling_geometry import (
     STANDBY_GAP,

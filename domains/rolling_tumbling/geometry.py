@@ -3,11 +3,8 @@
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
+from hybrid_tamp.skills import UP, dot, extent, height_below, norm
 
-from ..common.vectors import UP, dot, norm
-
-STANDOFF = 0.03
-"""Gap between an object and a hand in its standby position [m]."""
 FLOOR_CLEARANCE = 0.01
 """Smallest gap between a hand and the floor [m]."""
 
@@ -36,14 +33,6 @@ def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArr
     return along * forward[..., None], np.abs(distance)
 
 
-def reach_of(hand: Token, state: State, direction: FloatArray) -> FloatArray:
-    """Return how far ``(...)`` [m] a hand extends from its centre in a direction."""
-    shape = hand.shape
-    assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
-    along = np.abs(dot(rotate(state[hand, "orientation"], UP), direction))
-    return shape.radius * np.sqrt(np.maximum(0.0, 1.0 - along**2)) + shape.length / 2 * along
-
-
 def upright_part(hand: Token, state: State) -> FloatArray:
     """Return the height ``(...)`` [m] of a hand's centre above the lower end of the hand's axis."""
     shape = hand.shape
@@ -53,7 +42,7 @@ def upright_part(hand: Token, state: State) -> FloatArray:
 
 def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> FloatArray:
     """Return the distance ``(...)`` [m] between the centres of a hand and an object that touch each other."""
-    return np.asarray(thing["radius_of_rotation"] + reach_of(hand, state, direction))
+    return np.asarray(thing["radius_of_rotation"] + extent(state, hand, direction))
 
 
 def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -80,13 +69,5 @@ def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
 
 def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
     """Return the height ``(...)`` [m] of a pushing hand: the object's centre, or higher if the floor is too close."""
-    half = reach_of(hand, state, UP)
+    half = height_below(state, hand)
     return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)
-
-
-def standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the standby position ``(..., 3)`` [m] of a hand behind an object, on the side away from a region."""
-    direction, _ = way(state, thing, region)
-    behind = touching(state, hand, thing, direction) + STANDOFF
-    place = state[thing, "position"] - direction * behind[..., None]
-    return np.concatenate([place[..., :2], working_height(state, hand, thing)[..., None]], axis=-1)

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, angle_about
+from hybrid_tamp.skills import measure_instances, rows_of, run_of
 
-from ..common.metrics import measure_instances, rows_of, run_of
 from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, tilt
 

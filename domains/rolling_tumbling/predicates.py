@@ -2,14 +2,24 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, State, Token
+from hybrid_tamp.skills import (
+    HORIZONTAL,
+    POSE,
+    Region,
+    StaticEndEffector,
+    competence,
+    depth_in_workspace,
+    dot,
+    inside,
+    length_predicate,
+    near,
+    physical_bound,
+)
 
-from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import inside, length_predicate, near
-from ..common.roles import POSE
-from ..common.vectors import HORIZONTAL, depth_in_workspace, dot
 from .classes import Rollable
-from .geometry import axis, gap_between, heading, standby, touching, working_height
+from .geometry import axis, gap_between, heading, touching, working_height
+from .push import ROLL
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
@@ -51,11 +61,15 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     return np.asarray(np.maximum(*ends))
 
 
+def _standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
+    return ROLL.standby({"hand": hand, "object": thing, "region": region}, state)
+
+
 INSIDE = inside(Rollable)
 BEHIND = length_predicate(
     "behind",
     (_HAND, _OBJECT, _REGION),
-    near(_STANDBY_TOLERANCE, standby),
+    near(_STANDBY_TOLERANCE, _standby),
     reads={"hand": ("position",), "object": POSE, "region": ("position",)},
     kind=Kind.MAINTAINED,
     description="{hand} is behind {object} as seen from {region}",
@@ -69,34 +83,29 @@ OUTSIDE = length_predicate(
     description="{hand} is outside {object}",
     denial="{hand} passes through {object}",
 )
-LIES_ON_SIDE = Predicate(
+LIES_ON_SIDE = competence(
     "lies_on_side",
     (_OBJECT,),
     _levelness,
     unit="1",
     scale=0.05,
     reads={"object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="the axis of rotation of {object} is level",
     denial="the axis of rotation of {object} is not level",
 )
-ON_ROLLING_LINE = length_predicate(
+ON_ROLLING_LINE = competence(
     "on_rolling_line",
     (_OBJECT, _REGION),
     _closeness_of_line,
     reads={"object": POSE, "region": ("position",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="{region} is on the rolling line of {object}, a line perpendicular to the object's axis",
     denial="{region} is not on the rolling line of {object}",
 )
-WITHIN_WORKSPACE = length_predicate(
+WITHIN_WORKSPACE = physical_bound(
     "within_workspace",
     (_HAND, _OBJECT, _REGION),
     _room,
     reads={"object": POSE, "region": ("position",)},
-    kind=Kind.STATIC,
     description="{hand} can push {object} to {region} without leaving the workspace of the hand",
     denial="{hand} cannot push {object} to {region} without leaving the workspace of the hand",
 )

@@ -23,9 +23,8 @@ from hybrid_tamp.authoring import (
     silhouette,
     volume_of,
 )
+from hybrid_tamp.skills import HORIZONTAL, UP, Region, StaticEndEffector
 
-from ..common.classes import Region, StaticEndEffector
-from ..common.vectors import HORIZONTAL, UP
 from .classes import Rollable
 from .geometry import heading
 from .predicates import WITHIN_WORKSPACE

@@ -16,9 +16,8 @@ from hybrid_tamp.authoring import (
     quaternion_multiply,
     rotate,
 )
+from hybrid_tamp.skills import HORIZONTAL, UP, StaticEndEffector, to_body
 
-from ..common.classes import StaticEndEffector
-from ..common.vectors import HORIZONTAL, UP, to_body
 from .classes import Tumblable
 from .faces import FACE, NORMALS, flat
 from .metrics import CONTROLLED

@@ -27,14 +27,24 @@ from hybrid_tamp.authoring import (
     State,
     Target,
 )
+from hybrid_tamp.skills import (
+    AT_REST,
+    HORIZONTAL,
+    IN_WORKSPACE,
+    MOTION,
+    REST_SPEED,
+    StaticEndEffector,
+    Timetable,
+    get_symbol,
+    get_token,
+    get_tokens,
+    hand_system,
+    position_servo,
+    profile_of,
+    round_up,
+    straight_profile,
+)
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
-from ..common.primitives import profile_of, straight_profile
-from ..common.roles import MOTION, get_symbol, get_token, get_tokens
-from ..common.servos import hand_system, position_servo
-from ..common.timetable import Timetable, round_up
-from ..common.vectors import HORIZONTAL
 from .classes import Tumblable
 from .control_predicates import CLEAR_OF_FLOOR, HEAVY_ENOUGH, LARGE_ENOUGH, ROUGH_ENOUGH
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face

@@ -12,13 +12,11 @@ rho g/(R + I/(m R)), where I is its moment of inertia.
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, Cylinder, FloatArray, Kind, MeshShape, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import GRAVITY, Cylinder, FloatArray, MeshShape, Parameter, State, Token
+from hybrid_tamp.skills import Resistance, StaticEndEffector, competence, height_below, physical_bound
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import everywhere, length_predicate
-from ..common.vectors import UP
 from .classes import Rollable
-from .geometry import FLOOR_CLEARANCE, reach_of, upright_part
+from .geometry import FLOOR_CLEARANCE, upright_part
 from .sliding import HAND_FRICTION
 
 _HAND = Parameter("hand", StaticEndEffector)
@@ -78,6 +76,13 @@ def _strength(hand: Token, thing: Token) -> float:
     return float(hand["maximal_force"]) - needed if np.isfinite(needed) else 0.0
 
 
+def rolling_resistance(thing: Token) -> Resistance:
+    """Return the resistance of a solid cylinder that rolls without slip. A sphere slows down a little faster."""
+    force = float(GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"])
+    # The inertia is m + I / R^2.
+    return Resistance(force, slowing(thing), 1.5 * thing["mass"], thing["radius_of_rotation"])
+
+
 def slowing(thing: Token) -> float:
     """Return the deceleration [m/s^2] of a solid cylinder that rolls alone. A sphere slows down a little faster."""
     return float(thing["rolling_friction"] * GRAVITY / (1.5 * thing["radius_of_rotation"]))
@@ -111,7 +116,7 @@ def _overlap(state: State, hand: Token, thing: Token) -> FloatArray:
 
     A hand that cannot go lower touches a small object above its axis, where the normal of the contact is inclined.
     """
-    half = reach_of(hand, state, np.broadcast_to(UP, state[hand, "position"].shape))
+    half = height_below(state, hand)
     standing = upright_part(hand, state)
     radius = float(thing["radius_of_rotation"])
     lower_end = np.maximum(radius, half + FLOOR_CLEARANCE) - standing
@@ -120,63 +125,52 @@ def _overlap(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(radius + _STEEPEST * (radius + round_part) - lower_end)
 
 
-ROLLS = Predicate(
+ROLLS = physical_bound(
     "rolls",
     (_OBJECT,),
-    everywhere(_least_friction),
+    _least_friction,
     unit="1",
     scale=0.1,
-    kind=Kind.STATIC,
     description="{object} has friction, so that forces can turn it",
     denial="{object} slides instead of rolling: without friction, no force turns it",
 )
-ROLLS_STEADILY = Predicate(
+ROLLS_STEADILY = competence(
     "rolls_steadily",
     (_HAND, _OBJECT),
-    everywhere(_steadiness),
+    _steadiness,
     unit="1",
     scale=0.1,
-    kind=Kind.STATIC,
-    competence=True,
     description="{object} rolls without sliding when {hand} pushes it at the height of its axis",
     denial="{object} slides instead of rolling when {hand} pushes it at the height of its axis",
 )
-ABLE_TO_ROLL = Predicate(
+ABLE_TO_ROLL = competence(
     "able_to_roll",
     (_HAND, _OBJECT),
-    everywhere(_strength),
+    _strength,
     unit="N",
     scale=10.0,
-    kind=Kind.STATIC,
-    competence=True,
     description="{hand} is strong enough to roll {object} against its rolling resistance",
     denial="{hand} is too weak to roll {object} against its rolling resistance",
 )
-STOPS = length_predicate(
+STOPS = competence(
     "stops",
     (_OBJECT,),
-    everywhere(_stopping),
-    kind=Kind.STATIC,
-    competence=True,
+    _stopping,
     description="the rolling friction of {object} is large enough to stop it while a hand slows down behind it",
     denial="the rolling friction of {object} is too small to stop it while a hand slows down behind it",
 )
-WIDE_ENOUGH = length_predicate(
+WIDE_ENOUGH = competence(
     "wide_enough",
     (_OBJECT,),
-    everywhere(_width),
-    kind=Kind.STATIC,
-    competence=True,
+    _width,
     description="{object} is wide enough along its axis for the push of a hand",
     denial="{object} is too thin along its axis: a push of a hand off its middle would turn it over",
 )
-TOUCHES_AXIS = length_predicate(
+TOUCHES_AXIS = competence(
     "touches_axis",
     (_HAND, _OBJECT),
     _overlap,
     reads={"hand": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="{hand} touches {object} close enough to the height of its axis",
     denial="{object} is too small for {hand}, which touches it too far above its axis",
 )

@@ -5,9 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, State, Token, cross, without_rounding
+from hybrid_tamp.skills import UP, StaticEndEffector, dot, to_body
 
-from ..common.classes import StaticEndEffector
-from ..common.vectors import UP, dot, to_body
 from .faces import FACE, NORMALS, POSTURES, faces_of, flat
 from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, tilt
 

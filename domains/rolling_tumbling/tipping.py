@@ -34,15 +34,23 @@ from hybrid_tamp.authoring import (
     Target,
     cross,
 )
+from hybrid_tamp.skills import (
+    AT_REST,
+    BODY,
+    IN_WORKSPACE,
+    MOTION,
+    REST_SPEED,
+    UP,
+    StaticEndEffector,
+    dot,
+    get_symbol,
+    get_tokens,
+    hand_system,
+    profile_of,
+    round_up,
+    stay,
+)
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import AT_REST, IN_WORKSPACE, REST_SPEED
-from ..common.primitives import profile_of
-from ..common.resting import stay
-from ..common.roles import BODY, MOTION, get_symbol, get_tokens
-from ..common.servos import hand_system
-from ..common.timetable import round_up
-from ..common.vectors import UP, dot
 from .classes import Tumblable
 from .control_predicates import (
     CLEAR_OF_FLOOR,

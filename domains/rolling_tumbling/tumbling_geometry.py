@@ -6,8 +6,8 @@ Vectors are in the world frame unless a name says otherwise. Batch dimensions co
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
+from hybrid_tamp.skills import UP, dot, to_body
 
-from ..common.vectors import UP, dot, to_body
 from .faces import NORMALS, faces_of
 from .geometry import FLOOR_CLEARANCE
 

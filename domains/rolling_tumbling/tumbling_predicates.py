@@ -3,11 +3,18 @@
 import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token
+from hybrid_tamp.skills import (
+    POSE,
+    StaticEndEffector,
+    competence,
+    depth_in_workspace,
+    dot,
+    largest_depth,
+    length_predicate,
+    near,
+    one_by_one,
+)
 
-from ..common.classes import StaticEndEffector
-from ..common.predicates import length_predicate, near, one_by_one
-from ..common.roles import POSE
-from ..common.vectors import depth_in_workspace, dot, largest_depth
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .sliding import HAND_FRICTION
@@ -133,19 +140,17 @@ AT_FACE = length_predicate(
     description="{hand} is at the {face} face of {object}",
     denial="{hand} is not at the {face} face of {object}",
 )
-ALIGNED = Predicate(
+ALIGNED = competence(
     "aligned",
     (_HAND, _OBJECT, _FACE),
     _alignment,
     unit="1",
     scale=0.05,
     reads={"hand": ("orientation",), "object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="the axis of {hand} is level and parallel to the {face} face of {object}",
     denial="{hand} cannot turn, and its axis is not level or not parallel to the {face} face of {object}",
 )
-ON_SIDE = Predicate(
+ON_SIDE = competence(
     "on_side",
     (_HAND, _OBJECT, _FACE, _POSTURE),
     one_by_one(_outlook),
@@ -153,21 +158,17 @@ ON_SIDE = Predicate(
     scale=0.1,
     # The side on which the hand starts does not change, so `reads` omits the positions.
     reads={"hand": ("orientation",), "object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
 """Each hand stays on its side of a box, because two hands that changed sides could collide above the box."""
-STRONG_ENOUGH = Predicate(
+STRONG_ENOUGH = competence(
     "strong_enough",
     (_HAND, _OBJECT),
     one_by_one(_strength),
     unit="N",
     scale=10.0,
     reads={"object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description="{hand} is strong enough to tumble {object} together with a second hand",
     denial="{object} is too heavy to be tumbled by {hand} and a second hand",
     share=_share,
@@ -175,26 +176,22 @@ STRONG_ENOUGH = Predicate(
         _RESERVE, "ratio of the maximal force of a hand to the smallest force that tumbles the box; covers the squeeze"
     ),
 )
-WITHIN_REACH = length_predicate(
+WITHIN_REACH = competence(
     "within_reach",
     (_HAND, _OBJECT),
     one_by_one(_reach),
     reads={"object": POSE},
-    kind=Kind.STATIC,
-    competence=True,
     bound=_largest_reach,
     description="{hand} can reach its positions beside and above {object}",
     denial="{hand} cannot reach its positions beside and above {object} within its workspace",
 )
-LOW_ENOUGH = Predicate(
+LOW_ENOUGH = competence(
     "low_enough",
     (_HAND, _OBJECT),
     one_by_one(_lowness),
     unit="1",
     scale=0.1,
     reads={"object": ("orientation",)},
-    kind=Kind.STATIC,
-    competence=True,
     description=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio of at most {SLENDERNESS}",
     denial=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio above {SLENDERNESS}",
 )

@@ -29,12 +29,18 @@ from hybrid_tamp.authoring import (
     quaternion_multiply,
     rotate,
 )
+from hybrid_tamp.skills import (
+    STIFFNESS,
+    Timetable,
+    damping,
+    dot,
+    force_on,
+    get_symbol,
+    get_tokens,
+    straight_profile,
+    to_body,
+)
 
-from ..common.primitives import straight_profile
-from ..common.roles import get_symbol, get_tokens
-from ..common.servos import STIFFNESS, damping, force_on
-from ..common.timetable import Timetable
-from ..common.vectors import dot, to_body
 from .faces import NORMALS, edge_between, faces_of
 from .tumbling_geometry import (
     contact_distance,

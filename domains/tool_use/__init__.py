@@ -1,16 +1,13 @@
 """Tool use (paper, Sec. III-B, Figs. 4 to 6): a hand grasps a hammer, and pushes and strikes objects with it.
 
 Modules, in reading order: `classes`, `geometry`, `holding`, `swing`, `predicates`, `feasibility`, `grasping` (GRASPING
-D7 and RELEASING D11), `carrying` (D10), `pushing` (D9), `arc`, `striking` (D8). `..common` provides REACHING (D5) and
-RESTING (D6).
+D7 and RELEASING D11), `carrying` (D10), `pushing` (D9), `arc`, `striking` (D8). `hybrid_tamp.skills` provides
+REACHING (D5) and RESTING (D6).
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
+from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Region, StaticEndEffector, make_reaching
 
-from ..common.classes import Region, StaticEndEffector
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.reaching import reaching
-from ..common.resting import RESTING
 from .carrying import CARRYING
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .feasibility import FEASIBLE
@@ -20,7 +17,7 @@ from .predicates import CHANGING
 from .pushing import PUSHING
 from .striking import STRIKING
 
-_BLOCKS = (reaching(REACH_HANDLE, "handle"), GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
+_BLOCKS = (make_reaching(REACH_HANDLE, "handle"), GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),
@@ -53,7 +50,7 @@ _EDGES = (
 DOMAIN = Domain(
     name="tool_use",
     classes=(StaticEndEffector, DexterousHand, Graspable, Striker, Pusher, Strikable, Pushable, Region),
-    disjoint=((StaticEndEffector, Graspable, Strikable), (StaticEndEffector, Graspable, Pushable)),
+    disjoint=((Graspable, Strikable), (Graspable, Pushable)),
     predicates=(AT_REST, IN_WORKSPACE, *CHANGING, *FEASIBLE),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),

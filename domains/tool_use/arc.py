@@ -3,11 +3,9 @@
 import numpy as np
 
 from hybrid_tamp.authoring import CONTROL_PERIOD, Binding, FloatArray, Hyperparameters, State, Token, cross
+from hybrid_tamp.skills import DAMPING_RATIO, ORIENTATION_RATE, UP, dot, get_tokens, norm
 
-from ..common.roles import get_tokens
-from ..common.servos import DAMPING_RATIO, ORIENTATION_RATE
-from ..common.vectors import UP
-from .geometry import dot, hand_in_tool, heading, norm, side, strike_place, swing_angle, top
+from .geometry import hand_in_tool, heading, side, strike_place, swing_angle, top
 from .holding import keeping
 from .swing import Swing, swing_of
 

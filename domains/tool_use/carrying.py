@@ -26,14 +26,22 @@ from hybrid_tamp.authoring import (
     Target,
     rotate,
 )
+from hybrid_tamp.skills import (
+    AT_REST,
+    BODY,
+    HORIZONTAL,
+    IN_WORKSPACE,
+    UP,
+    Region,
+    Timetable,
+    get_token,
+    get_tokens,
+    norm,
+    reach_over,
+    straight_profile,
+    time_of_reach,
+)
 
-from ..common.classes import Region
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.primitives import reach_over, straight_profile
-from ..common.reaching import time_of_reach
-from ..common.roles import BODY, get_token, get_tokens
-from ..common.timetable import Timetable
-from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
 from .feasibility import (
     ABLE_TO_PUSH,
@@ -44,19 +52,7 @@ from .feasibility import (
     SQUARE_TO,
     STRIKE_WITHIN_REACH,
 )
-from .geometry import (
-    RAISED,
-    foot,
-    hand_in_tool,
-    norm,
-    push_pose,
-    side,
-    strike_place,
-    swing_angle,
-    tool_orientation,
-    top,
-    yaw,
-)
+from .geometry import RAISED, foot, hand_in_tool, push_pose, side, strike_place, swing_angle, tool_orientation, top, yaw
 from .holding import HeldTool, pose_tool
 from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 

@@ -19,8 +19,7 @@ from hybrid_tamp.authoring import (
     aperture_property,
     quantity,
 )
-
-from ..common.classes import (
+from hybrid_tamp.skills import (
     BoxShaped,
     Extents,
     Grounded,

@@ -5,21 +5,29 @@ import numpy as np
 from hybrid_tamp.authoring import (
     GRAVITY,
     FloatArray,
-    Kind,
     Parameter,
-    Predicate,
     SafetyFactor,
     State,
     Token,
     grip_limits,
 )
+from hybrid_tamp.skills import (
+    HORIZONTAL,
+    POSE,
+    UP,
+    Region,
+    competence,
+    depth_in_region,
+    depth_in_workspace,
+    extent,
+    largest_depth,
+    physical_bound,
+    point,
+    to_body,
+)
 
-from ..common.classes import Region
-from ..common.predicates import depth_in_region, everywhere, length_predicate
-from ..common.roles import POSE
-from ..common.vectors import HORIZONTAL, UP, depth_in_workspace, largest_depth, to_body
 from .classes import Pushable, Pusher, Strikable, Striker
-from .geometry import STANDOFF, foot, half_depth, point, top, way
+from .geometry import STANDOFF, foot, top, way
 from .predicates import HAND, OPEN, TOOL
 from .swing import largest_impulse
 
@@ -82,7 +90,7 @@ def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
     """Return the smallest depth [m], over all grasps, of the hand in its workspace at both ends of a push."""
     ahead, _ = way(state, thing, region)
-    back = (half_depth(state, thing, ahead) + tool["pushing_point"][2])[..., None]
+    back = (extent(state, thing, ahead) + tool["pushing_point"][2])[..., None]
     start = state[thing, "position"] - ahead * (back + STANDOFF)
     ends = (start * HORIZONTAL, (state[region, "position"] - ahead * back) * HORIZONTAL)
     return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for place in ends for end in _HANDLE))
@@ -127,108 +135,92 @@ def _largest_reach_of_push(
     return np.asarray(np.min(ends, axis=0))
 
 
-LIFTABLE = Predicate(
+LIFTABLE = physical_bound(
     "liftable",
     (HAND, TOOL),
-    everywhere(_lift),
+    _lift,
     unit="N",
     scale=10.0,
-    kind=Kind.STATIC,
     description="{hand} can grip hard enough to lift {tool}",
     denial="{hand} cannot grip hard enough to lift {tool}",
     safety=SafetyFactor(1.5, "ratio of the load that the grip can bear to the weight of the tool; covers acceleration"),
 )
-WIDE_ENOUGH = length_predicate(
+WIDE_ENOUGH = competence(
     "wide_enough",
     (HAND, TOOL),
-    everywhere(_width),
-    kind=Kind.STATIC,
-    competence=True,
+    _width,
     description="{hand} can open wide enough for the handle of {tool}",
     denial="the handle of {tool} is too wide for {hand}",
 )
-HANDLE_WITHIN_REACH = length_predicate(
+HANDLE_WITHIN_REACH = competence(
     "handle_within_reach",
     (HAND, TOOL),
     _reach_of_handle,
     reads={"tool": POSE},
-    kind=Kind.STATIC,
-    competence=True,
     description="the handle of {tool} is inside the workspace of {hand}",
     denial="the handle of {tool} is not inside the workspace of {hand}",
 )
-ABLE_TO_PUSH = Predicate(
+ABLE_TO_PUSH = physical_bound(
     "able_to_push",
     (HAND, Parameter("tool", Pusher), Parameter("object", Pushable)),
-    everywhere(_push),
+    _push,
     unit="N",
     scale=10.0,
-    kind=Kind.STATIC,
     description="{hand} is strong enough to push {object} with {tool}",
     denial="{hand} is too weak to push {object} with {tool}",
 )
-ABLE_TO_STRIKE = Predicate(
+ABLE_TO_STRIKE = physical_bound(
     "able_to_strike",
     (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
-    everywhere(_strike),
+    _strike,
     unit="N s",
     scale=0.1,
-    kind=Kind.STATIC,
     description="{hand} can strike {object} hard enough with {tool}",
     denial="{hand} cannot strike {object} hard enough with {tool}",
 )
-FIRM_ENOUGH = Predicate(
+FIRM_ENOUGH = competence(
     "firm_enough",
     (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
-    everywhere(_firm_strike),
+    _firm_strike,
     unit="N s",
     scale=0.1,
-    kind=Kind.STATIC,
-    competence=True,
     description="{hand} grips {tool} firmly enough to strike {object} hard enough",
     denial="{tool} slips in the grip of {hand} before it can strike {object} hard enough",
 )
-STRIKE_WITHIN_REACH = length_predicate(
+STRIKE_WITHIN_REACH = competence(
     "strike_within_reach",
     (HAND, Parameter("tool", Striker), Parameter("object", Strikable)),
     _reach_of_strike,
     reads={"object": POSE},
-    kind=Kind.STATIC,
-    competence=True,
     bound=_largest_reach_of_strike,
     description="{hand} can strike {object} with {tool} without leaving the workspace of the hand",
     denial="{hand} cannot strike {object} with {tool} without leaving the workspace of the hand",
 )
-SQUARE_TO = Predicate(
+SQUARE_TO = competence(
     "square_to",
     (Parameter("object", Pushable), Parameter("region", Region)),
     _squareness,
     unit="rad",
     scale=0.05,
     reads={"object": POSE, "region": ("position",)},
-    kind=Kind.STATIC,
-    competence=True,
     bound=_squareness_within,
     description="{object} has a side perpendicular to the line to {region}",
     denial="{object} has no side perpendicular to the line to {region}, so a push would turn {object}",
 )
-PUSH_WITHIN_REACH = length_predicate(
+PUSH_WITHIN_REACH = competence(
     "push_within_reach",
     (HAND, Parameter("tool", Pusher), Parameter("object", Pushable), Parameter("region", Region)),
     _reach_of_push,
     reads={"object": POSE, "region": ("position",)},
-    kind=Kind.STATIC,
-    competence=True,
     bound=_largest_reach_of_push,
     description="{hand} can push {object} to {region} with {tool} without leaving the workspace of the hand",
     denial="{hand} cannot push {object} to {region} with {tool} without leaving the workspace of the hand",
 )
-HOME = length_predicate(
+HOME = physical_bound(
     "home",
     (TOOL, Parameter("region", Region)),
     depth_in_region,
     reads={"tool": ("position",), "region": ("position",)},
-    kind=Kind.STATIC,
     at_start=True,
     description="{region} is the initial place of {tool}",
     denial="{region} is not the initial place of {tool}",

@@ -17,14 +17,12 @@ from hybrid_tamp.authoring import (
     Part,
     State,
     Token,
-    cross,
     quaternion_conjugate,
     quaternion_from_rpy,
     rotate,
     solids_of,
 )
-
-from ..common.vectors import HORIZONTAL, UP, to_body
+from hybrid_tamp.skills import HORIZONTAL, UP, dot, extent, height_below, norm, point, to_body
 
 LEVEL = -np.pi / 2
 """Swing angle at which a tool strikes [rad]."""
@@ -38,27 +36,6 @@ BESIDE = 0.09
 """Distance between a handle and a hand that waits before or after a grasp [m]."""
 _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
 """Indices and signs of the components in the cross product of a vector and `UP`."""
-
-
-def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the inner product ``(...)`` over the last axis."""
-    return np.asarray(np.vecdot(one, other))
-
-
-def norm(vector: FloatArray) -> FloatArray:
-    """Return the Euclidean norm ``(...)`` over the last axis."""
-    return np.sqrt(dot(vector, vector))
-
-
-def point(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Convert a point ``(..., 3)`` [m] from the tool's body frame to the world frame."""
-    return state[tool, "position"] + rotate(state[tool, "orientation"], body)
-
-
-def point_velocity(state: State, tool: Token, body: FloatArray) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a point of the tool. The point `body` is in the body frame."""
-    arm = rotate(state[tool, "orientation"], body)
-    return np.asarray(state[tool, "velocity"] + cross(state[tool, "angular_velocity"], arm))
 
 
 def hand_in_tool(state: State, hand: Token, tool: Token) -> FloatArray:
@@ -162,15 +139,10 @@ def in_box(state: State, thing: Token, place: FloatArray) -> FloatArray:
     return to_body(state, thing, place - state[thing, "position"])
 
 
-def half_depth(state: State, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return how far ``(...)`` [m] a box extends from its centre in a direction ``(..., 3)``."""
-    return np.asarray(np.abs(to_body(state, thing, direction)) @ np.asarray(thing["half_extents"]))
-
-
 def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:
     """Return the position ``(..., 3)`` [m] and the yaw ``(...)`` [rad] of a tool that is ready to push an object."""
     ahead, _ = way(state, thing, region)
-    back = half_depth(state, thing, ahead) + STANDOFF + tool["pushing_point"][2]
+    back = extent(state, thing, ahead) + STANDOFF + tool["pushing_point"][2]
     place = state[thing, "position"] - ahead * back[..., None]
     height = np.full((*back.shape, 1), foot(tool) + CLEARANCE)
     return np.concatenate([place[..., :2], height], axis=-1), np.arctan2(ahead[..., 1], ahead[..., 0])
@@ -178,7 +150,7 @@ def push_pose(state: State, tool: Token, thing: Token, region: Token) -> tuple[F
 
 def top(state: State, thing: Token) -> FloatArray:
     """Return the centre ``(..., 3)`` [m] of a box's top face."""
-    high = half_depth(state, thing, np.broadcast_to(UP, state[thing, "position"].shape))
+    high = height_below(state, thing)
     return np.asarray(state[thing, "position"] + high[..., None] * UP)
 
 

@@ -19,16 +19,22 @@ from hybrid_tamp.authoring import (
     State,
     Target,
 )
+from hybrid_tamp.skills import (
+    AT_REST,
+    IN_WORKSPACE,
+    MOTION,
+    ReachGoal,
+    Timetable,
+    get_token,
+    get_tokens,
+    hand_servo,
+    move_straight,
+    point,
+)
 
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.primitives import move_straight
-from ..common.reaching import ReachGoal
-from ..common.roles import MOTION, get_token, get_tokens
-from ..common.servos import hand_servo
-from ..common.timetable import Timetable
 from .classes import DexterousHand, Graspable
 from .feasibility import GRASP_FACTS
-from .geometry import beside, handle_length, location, on_handle, point
+from .geometry import beside, handle_length, location, on_handle
 from .holding import gripping_system
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 

@@ -35,11 +35,9 @@ from hybrid_tamp.authoring import (
     quaternion_multiply,
     rotate,
 )
+from hybrid_tamp.skills import DAMPING_RATIO, UP, dot, get_tokens, hand_system, turning_rate
 
-from ..common.roles import get_tokens
-from ..common.servos import DAMPING_RATIO, hand_system, turning_rate
-from ..common.vectors import UP
-from .geometry import dot, hand_in_tool, off_handle
+from .geometry import hand_in_tool, off_handle
 from .impact import Changes, Mass
 
 _LIFT = GRAVITY * UP

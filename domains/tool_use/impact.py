@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.authoring import CONTROL_PERIOD, FloatArray, State, Token, cross, grip_limits
-
-from .geometry import dot
+from hybrid_tamp.skills import dot
 
 Mass = tuple[FloatArray, float, FloatArray]
 """Centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of a body."""

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from hybrid_tamp.authoring import BlockInstance, Recording, Task, Token
+from hybrid_tamp.skills import dot, measure_instances, norm, rows_of, run_of
 
-from ..common.metrics import measure_instances, rows_of, run_of
 from .feasibility import resistance
-from .geometry import dot, hand_in_tool, location, norm, side
+from .geometry import hand_in_tool, location, side
 from .striking import tip_speed
 from .swing import swing_of
 

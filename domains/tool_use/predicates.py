@@ -3,25 +3,10 @@
 import numpy as np
 
 from hybrid_tamp.authoring import CAPTURE, FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.skills import POSE, Region, inside, length_predicate, norm
 
-from ..common.classes import Region
-from ..common.predicates import inside, length_predicate
-from ..common.roles import POSE
 from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
-from .geometry import (
-    LEVEL,
-    RAISED,
-    beside,
-    foot,
-    norm,
-    off_handle,
-    push_pose,
-    side,
-    strike_place,
-    swing_angle,
-    top,
-    yaw,
-)
+from .geometry import LEVEL, RAISED, beside, foot, off_handle, push_pose, side, strike_place, swing_angle, top, yaw
 
 HAND = Parameter("hand", DexterousHand)
 TOOL = Parameter("tool", Graspable)

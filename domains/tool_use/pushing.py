@@ -26,16 +26,24 @@ from hybrid_tamp.authoring import (
     Target,
     Token,
     cross,
-    quaternion_conjugate,
-    rotate,
+)
+from hybrid_tamp.skills import (
+    AT_REST,
+    BODY,
+    HORIZONTAL,
+    IN_WORKSPACE,
+    UP,
+    Region,
+    Timetable,
+    dot,
+    extent,
+    get_tokens,
+    norm,
+    point,
+    steer,
+    straight_profile,
 )
 
-from ..common.classes import Region
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.primitives import straight_profile
-from ..common.roles import BODY, get_tokens
-from ..common.timetable import Timetable
-from ..common.vectors import HORIZONTAL, UP
 from .classes import DexterousHand, Pushable, Pusher
 from .feasibility import (
     ABLE_TO_PUSH,
@@ -43,7 +51,7 @@ from .feasibility import (
     SQUARE_TO,
     resistance,
 )
-from .geometry import dot, half_depth, heading, norm, point, side, tool_orientation, way
+from .geometry import heading, side, tool_orientation, way
 from .holding import HeldTool, Load
 from .impact import effective_mass, knocked
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
@@ -52,14 +60,6 @@ _APPROACH = 0.8
 """Time until the tool touches the object [s]."""
 _SHORTEST = 1.0
 """Shortest duration of a push [s]."""
-_STEERING = 0.08
-"""Ratio of the pushing point's lateral offset to the angle by which the object has turned [m/rad]."""
-_RETURNING = 15.0
-"""Ratio of the object's wanted turn towards its line to its distance from the line [rad/m]."""
-_LARGEST_TURN = 0.3
-"""Largest wanted turn of the object [rad]."""
-_MARGIN = 0.6
-"""Ratio of the pushing point's largest lateral offset to the object's half width."""
 _CREEP = 0.01
 """Smallest speed at which the policy compensates the full friction force [m/s]."""
 _TOUCH = 1e-6
@@ -87,32 +87,7 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
 def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
     """Return the distance ``(...)`` [m] between the pushing point and the near side of the object."""
     face = point(state, tool, np.asarray(tool["pushing_point"]))
-    return dot(state[thing, "position"] - face, ahead) - half_depth(state, thing, ahead)
-
-
-def _steering(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the lateral position ``(...)`` [m] of the pushing point and the rate ``(...)`` [m/s] of this position.
-
-    An object that is pushed from behind at a single point turns away from this point. To counteract a turn, the tool
-    pushes on the side to which the object has turned. If the object has left its line, the tool turns the object
-    slightly towards the line.
-
-    Args:
-        state: current state.
-        thing: the pushed object.
-        line: a point on the line of the push ``(..., 3)`` [m].
-        axes: the directions along the line and perpendicular to the line ``(..., 2, 3)``.
-    """
-    across = axes[..., 1, :]
-    off, drift = dot(state[thing, "position"] - line, across), dot(state[thing, "velocity"], across)
-    local = rotate(quaternion_conjugate(state[thing, "orientation"])[..., None, :], axes)
-    turned = (np.pi / 4 - np.arctan2(local[..., 0, 1], local[..., 0, 0])) % (np.pi / 2) - np.pi / 4
-    spin = state[thing, "angular_velocity"][..., 2]
-    reach = np.abs(local) @ np.asarray(thing["half_extents"])
-    depth, width = reach[..., 0], _MARGIN * reach[..., 1]
-    wanted = np.minimum(np.maximum(-_RETURNING * off, -_LARGEST_TURN), _LARGEST_TURN)
-    beside = np.minimum(np.maximum(_STEERING * (turned - wanted), -width), width)
-    return off - depth * turned + beside, drift + (_STEERING - depth) * spin
+    return dot(state[thing, "position"] - face, ahead) - extent(state, thing, ahead)
 
 
 def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -141,7 +116,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         come, position, velocity, resisting = timetable(elapsed)
-        way_off, drift = _steering(state, thing, line, axes)
+        way_off, drift = steer(state, thing, line, axes)
         position = position + come * (way_off[..., None] - beside) * across
         velocity = velocity + come * drift[..., None] * across
         load = Load(resisting, point(state, tool, head))

@@ -29,30 +29,27 @@ from hybrid_tamp.authoring import (
     cross,
     rotate,
 )
-
-from ..common.predicates import AT_REST, IN_WORKSPACE
-from ..common.primitives import straight_profile
-from ..common.roles import BODY, get_tokens
-from ..common.servos import DAMPING_RATIO, turn_between, turning_rate
-from ..common.timetable import Timetable
-from ..common.vectors import UP
-from .arc import WINDING_UP, Arc, in_plane, on_arc
-from .classes import DexterousHand, Strikable, Striker
-from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH, STRIKE_WITHIN_REACH
-from .geometry import (
-    LEVEL,
-    butt,
+from hybrid_tamp.skills import (
+    AT_REST,
+    BODY,
+    DAMPING_RATIO,
+    IN_WORKSPACE,
+    UP,
+    Timetable,
     dot,
-    in_box,
+    get_tokens,
     norm,
     point,
     point_velocity,
-    strike_place,
-    swing_angle,
-    tool_orientation,
-    top,
-    yaw,
+    straight_profile,
+    turn_between,
+    turning_rate,
 )
+
+from .arc import WINDING_UP, Arc, in_plane, on_arc
+from .classes import DexterousHand, Strikable, Striker
+from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH, STRIKE_WITHIN_REACH
+from .geometry import LEVEL, butt, in_box, strike_place, swing_angle, tool_orientation, top, yaw
 from .holding import HeldTool, keeping, pose_tool
 from .impact import bounced, effective_mass, impulse_within_period, knocked
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK, TILTED_UP

@@ -150,7 +150,7 @@ class CapabilityClass(ObjectClass):
 
 
 class PlaceClass(ObjectClass):
-    """A class of static places. A place can be a target, but never fills a slot."""
+    """A class of static places. A place can be a target, but never fills a slot. With a shape, it is a fixed body."""
 
 
 class TOKEN(ObjectClass):
@@ -164,10 +164,18 @@ def is_place(object_class: type[ObjectClass]) -> bool:
     return issubclass(object_class, PlaceClass)
 
 
+def _is_driven(one: type[ObjectClass], other: type[ObjectClass]) -> bool:
+    """Return whether one class is a capability class and the other one is an affordance class."""
+    kinds = (CapabilityClass, AffordanceClass)
+    return any(issubclass(one, kind) and issubclass(other, another) for kind, another in permutations(kinds))
+
+
 class ClassRelations:
     """Rules that determine whether two classes can have a common member.
 
-    A class of places and a class of other tokens are disjoint. A domain can declare further classes as disjoint.
+    Two rules follow from what the classes are: a class of places and a class of other tokens are disjoint, and so are a
+    capability class, whose members the robot drives, and an affordance class. A domain can declare further classes as
+    disjoint.
     """
 
     def __init__(self, disjoint: Iterable[tuple[type[ObjectClass], ...]] = ()) -> None:
@@ -179,6 +187,8 @@ class ClassRelations:
         if one is other or issubclass(one, other) or issubclass(other, one):
             return True
         if is_place(one) != is_place(other):
+            return False
+        if _is_driven(one, other):
             return False
         return not any(
             issubclass(one, mine) and issubclass(other, theirs)

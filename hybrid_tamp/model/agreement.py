@@ -13,8 +13,11 @@ _INERTIA = "inertia"
 
 
 def find_shape_fault(token: Token) -> Disagreement | None:
-    """Return the first fault of a token's shape, e.g. parts that lie apart, or None."""
-    if not isinstance(token.shape, Compound):
+    """Return the first fault of a token's shape, e.g. parts that lie apart, or None.
+
+    A fixed body never moves, so its parts may lie apart, and its centre of mass does not matter.
+    """
+    if not isinstance(token.shape, Compound) or token.place:
         return None
     return find_compound_fault(token.shape, even=_INERTIA not in token.properties and not token.basic_actions)
 

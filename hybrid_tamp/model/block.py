@@ -23,12 +23,12 @@ from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Predicate, SymbolSort
-from hybrid_tamp.model.shapes import check_initial_value, check_shape
+from hybrid_tamp.model.shapes import check_initial_value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
 FLOOR = "(floor)"
-"""Name of the floor in contacts. No token can have this name."""
+"""Name of the floor in contacts. No token can have this name. In `Block.allowed_contacts`, also any fixed body."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,12 @@ class Duration:
         maximum: upper bound of the time until the exit conditions hold [s]. If the block does not have `hold`, this is
             also the upper bound of the duration.
         expected: function ``expected(binding, state, hyperparameters)`` that returns the expected duration [s].
+            If None, the expected duration is that of a rollout with the continuous system of the block.
     """
 
     minimum: float
     maximum: float
-    expected: Callable[[Binding, State, Hyperparameters], float]
+    expected: Callable[[Binding, State, Hyperparameters], float] | None = None
 
 
 Outcome = Callable[[Binding, State], State]
@@ -118,7 +119,8 @@ class Block:
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
             (`motion.dmp.DMP`). None if the block has no motor primitive.
         movement: movement that the motor primitive represents, or None.
-        outcome: function that returns the expected final state, for scheduling. None if no token moves.
+        outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
+            declared either, the final state is that of a rollout.
         description: description in one line.
     """
 
@@ -219,29 +221,3 @@ class Block:
             value = hyperparameter.initial_value(binding, state)
             check_initial_value(where, binding, value, state, partial(hyperparameter.initial_value, binding))
         return value
-
-    def expected_duration(self, binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-        """Return the expected duration [s] of an instance that starts in a state without batch dimensions.
-
-        Raises:
-            DomainError: the function raised an exception, or returned more than one number.
-        """
-        where = f"{self.name}.duration"
-        with authored(where, binding):
-            expected = self.duration.expected(binding, state, hyperparameters)
-        check_shape(where, binding, expected, ())
-        return float(expected)
-
-    def expected_end(self, binding: Binding, state: State) -> State | None:
-        """Return the expected state at the end of an instance, or None if the block declares no `outcome`.
-
-        Raises:
-            DomainError: the function raised an exception, or returned a state of another shape.
-        """
-        if self.outcome is None:
-            return None
-        where = f"{self.name}.outcome"
-        with authored(where, binding):
-            after = self.outcome(binding, state)
-        check_shape(where, binding, after.values, state.values.shape)
-        return after

@@ -14,7 +14,7 @@ class Contact:
     Attributes:
         tokens: names of the two tokens, or of a token and `FLOOR`.
         instances: names of the instances of the two tokens. The names are equal if both tokens are in the same
-            instance. The name is empty for the floor.
+            instance. The name is empty for the floor and for fixed bodies.
         force: normal impulse over 10 ms, divided by 10 ms [N].
         time: end of the control period with the largest force [s].
         allowed: whether a running block allowed the contact.
@@ -34,24 +34,29 @@ class Contact:
 
     @property
     def between_instances(self) -> bool:
-        """Whether two tokens in different instances touched. False for contacts with the floor."""
-        return FLOOR not in self.tokens and self.instances[0] != self.instances[1]
+        """Whether two tokens in different instances touched. False for contacts with the floor or a fixed body."""
+        return "" not in self.instances and self.instances[0] != self.instances[1]
 
 
 class ContactRules:
     """The pairs of tokens that may touch while some instances run.
 
     Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens with
-    this role in all instances of the block. For example, tokens that rest may touch each other.
+    this role in all instances of the block. For example, tokens that rest may touch each other. `FLOOR` stands for the
+    floor and for every fixed body.
     """
 
-    def __init__(self, blocks: Mapping[str, Block], running: Collection[BlockInstance]) -> None:
+    def __init__(
+        self, blocks: Mapping[str, Block], running: Collection[BlockInstance], fixed: Collection[str] = ()
+    ) -> None:
         """Collect the pairs of the running instances.
 
         Args:
             blocks: maps each name to its block.
             running: the running instances.
+            fixed: names of the fixed bodies.
         """
+        self._fixed = frozenset(fixed)
         self._pairs: set[frozenset[str]] = set()
         self._groups: dict[tuple[str, str], set[str]] = {}
         self._known: dict[tuple[str, str], bool] = {}
@@ -67,7 +72,10 @@ class ContactRules:
         """Return whether two tokens, or a token and `FLOOR`, may touch."""
         allowed = self._known.get((one, other))
         if allowed is None:
-            pair = frozenset((one, other))
-            allowed = pair in self._pairs or any(pair <= group for group in self._groups.values())
-            self._known[one, other] = allowed
+            allowed = self._known[one, other] = self._allow(frozenset((one, other)))
         return allowed
+
+    def _allow(self, pair: frozenset[str]) -> bool:
+        if pair in self._pairs or any(pair <= group for group in self._groups.values()):
+            return True
+        return not self._fixed.isdisjoint(pair) and frozenset((FLOOR, *(pair - self._fixed))) in self._pairs

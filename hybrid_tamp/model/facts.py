@@ -28,10 +28,16 @@ def static_facts(task: Task, known: "StaticFacts | None" = None) -> frozenset[At
     found: set[Atom] = set()
     for predicate in task.domain.static_predicates:
         if predicate.rows is not None:
-            found.update(Atom(predicate.name, row) for row in predicate.rows)
+            found.update(Atom(predicate.name, row) for row in _rows_within(task, predicate, predicate.rows))
         else:
             found.update(known.holding(predicate, _bindings(task, predicate)))
     return frozenset(found)
+
+
+def _rows_within(task: Task, predicate: Predicate, rows: Iterable[tuple[str, ...]]) -> Iterable[tuple[str, ...]]:
+    """Return the rows whose tokens are all in the task, which may be a part of the task for which the rows are made."""
+    tokens = [index for index, parameter in enumerate(predicate.parameters) if isinstance(parameter.sort, type)]
+    return rows if not tokens else [row for row in rows if all(row[index] in task.token_by_name for index in tokens)]
 
 
 def fact_margin(literal: Literal, initial: State, state: State, binding: Mapping[str, Value]) -> FloatArray:

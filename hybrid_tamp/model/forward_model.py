@@ -92,13 +92,14 @@ def roll_out(
     model = ForwardModel(block, binding, start, Parameters(block.initial_values(binding, start)))
     states = [start]
     while (elapsed := (len(states) - 1) * dt) < longest:
-        if len(states) % every == 0 and elapsed >= block.duration.minimum and _done(block, binding, states[-1]):
+        if len(states) % every == 0 and elapsed >= block.duration.minimum and exits_hold(block, binding, states[-1]):
             break
         states.append(model.step(np.float64(elapsed), states[-1], dt)[0])
     return states
 
 
-def _done(block: Block, binding: Binding, state: State) -> bool:
+def exits_hold(block: Block, binding: Binding, state: State) -> bool:
+    """Return whether all measured exit conditions hold in a state without batch dimensions."""
     return all(float(literal.margin(state, binding)) >= 0 for literal in block.measured_exits)
 
 

@@ -31,7 +31,7 @@ def find_floating(token: Token, state: State, tokens: Iterable[Token]) -> str | 
     if height <= MOST_ABOVE:
         return None
     for other in tokens:
-        if other.name == token.name or other.place or other.shape is None or pass_through(token, other):
+        if other.name == token.name or other.shape is None or pass_through(token, other):
             continue
         fall = _fall(body, _body(other, state), height)
         if fall < height:

@@ -228,6 +228,11 @@ class Token:
         return any(is_place(member) for member in self.classes)
 
     @property
+    def fixed_body(self) -> bool:
+        """Whether the token is a body that nothing can move, e.g. a table."""
+        return self.place and self.shape is not None
+
+    @property
     def varying(self) -> tuple[VaryingProperty, ...]:
         """Varying properties of the token's classes, without duplicates."""
         merged = {varying.name: varying for member in self.classes for varying in member.varying}

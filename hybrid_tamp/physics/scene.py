@@ -39,7 +39,7 @@ class Body:
     Attributes:
         token: name of the token.
         shape: geometry of the body.
-        mass: mass of the body [kg].
+        mass: mass of the body [kg]; zero means that the body is fixed in the world.
         inertia: principal moments of inertia about the body axes [kg m^2]; zero means infinite inertia.
         friction: Coulomb friction coefficient.
         rolling_friction: rolling friction, as torque per normal force [m].
@@ -56,15 +56,16 @@ class Body:
 
 
 def make_bodies(task: Task) -> tuple[Body, ...]:
-    """Make a body for every token that is not a place.
+    """Make a body for every token that is not a place, and for every place with a shape.
 
     Raises:
         InputError: a token lacks a shape or a property that its simulation requires, or has an unknown basic action.
     """
-    issues = [issue for token in task.assigned for issue in _find_faults(token)]
+    simulated = [token for token in task.tokens if token.fixed_body or not token.place]
+    issues = [issue for token in simulated for issue in _find_faults(token)]
     if issues:
         raise InputError(issues)
-    return tuple(_make_body(token) for token in task.assigned)
+    return tuple(map(_make_body, simulated))
 
 
 def _find_faults(token: Token) -> list[Issue]:
@@ -110,7 +111,7 @@ def _find_action_faults(token: Token, where: str) -> list[Issue]:
 
 def _make_body(token: Token) -> Body:
     driven = bool(token.basic_actions)
-    mass = _number(token, "mass", MASS)
+    mass = 0.0 if token.place else _number(token, "mass", MASS)
     round_thing = not driven and isinstance(token.solid, Cylinder | Sphere)
     return Body(
         token=token.name,
@@ -127,6 +128,8 @@ def _find_inertia(token: Token, mass: float) -> tuple[float, float, float]:
     if any(action.name == TORQUE for action in token.basic_actions):
         moment = _number(token, "wrist_inertia", 0.0)
         return (moment, moment, moment)
+    if token.place:
+        return (0.0, 0.0, 0.0)
     if token.basic_actions:
         # The simulation has no arm, so the hand gets infinite inertia to keep its orientation.
         return (0.0, 0.0, 0.0)

@@ -13,6 +13,7 @@ from hybrid_tamp.feasibility.fillable import Members
 from hybrid_tamp.feasibility.relevance import restrict_domain
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.expectation import expect
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.task import Task
@@ -69,7 +70,7 @@ class Reduction:
 def _resting(task: Task, block: Block, token: Token, name: str, end: float) -> BlockInstance:
     binding = {block.anchor: token}
     initial = block.initial_values(binding, task.state)
-    expected = block.expected_duration(binding, task.state, initial)
+    expected = expect(block, binding, task.state, initial).seconds
     return BlockInstance(name, block.name, {block.anchor: token.name}, 0.0, end, reached=min(expected, end))
 
 

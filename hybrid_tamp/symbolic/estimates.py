@@ -13,7 +13,8 @@ import numpy as np
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.deadline import NEVER, Deadline
-from hybrid_tamp.model.predicate import Binding, Literal
+from hybrid_tamp.model.expectation import expect
+from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
@@ -99,15 +100,14 @@ class Estimates:
     def _make(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
         binding = self.task.bind(roles)
         initial = block.initial_values(binding, state)
-        expected = block.expected_duration(binding, state, initial)
-        bounded = float(np.clip(expected, block.duration.minimum, block.duration.maximum))
+        expected = expect(block, binding, state, initial)
+        bounded = float(np.clip(expected.seconds, block.duration.minimum, block.duration.maximum))
         # The duration is a whole number of ticks, so that sums of durations are exact.
         seconds = round(math.ceil(bounded / TICK - 1e-6) * TICK, 6)
         values = {name: float(value) for name, value in initial.items()}
-        return Estimate(seconds, values, self._outcome(block, roles, binding, state))
+        return Estimate(seconds, values, self._outcome(block, roles, expected.end, state))
 
-    def _outcome(self, block: Block, roles: Mapping[str, str], binding: Binding, state: State) -> Poses:
-        after = block.expected_end(binding, state)
+    def _outcome(self, block: Block, roles: Mapping[str, str], after: State | None, state: State) -> Poses:
         if after is None:
             placed = [self._place(literal, roles, state) for literal in block.exit]
             return {key: value for each in placed for key, value in each.items()}

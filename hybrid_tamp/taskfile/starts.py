@@ -31,7 +31,7 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
     bodies = [
         (token, placed(token.shape, state[token, "position"], state[token, "orientation"]))
         for token in sound
-        if token.shape is not None and not token.place
+        if token.shape is not None
     ]
     whole = faults.sound(("tokens",))
     for token, body in bodies:

@@ -10,6 +10,7 @@ import numpy as np
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Commands, Parameters
+from hybrid_tamp.model.expectation import declared_end
 from hybrid_tamp.model.forward_model import ForwardModel
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Binding, Literal
@@ -68,7 +69,7 @@ def _results(rolled: Rollouts, batch: State) -> Iterator[_Result]:
         conditions.setdefault(literal.predicate.name, literal)
     for name, literal in conditions.items():
         yield _compare_margins(f"predicate {name}", literal, rolled, batch)
-    ends = block.expected_end(binding, batch)
+    ends = declared_end(block, binding, batch)
     if ends is not None:
         yield "the outcome", ends.values, [_end(block, binding, _row(batch, row)) for row in range(len(batch.values))]
     values = block.initial_values(binding, batch)
@@ -81,7 +82,7 @@ def _results(rolled: Rollouts, batch: State) -> Iterator[_Result]:
 
 
 def _end(block: Block, binding: Binding, state: State) -> FloatArray:
-    end = block.expected_end(binding, state)
+    end = declared_end(block, binding, state)
     assert end is not None
     return end.values
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.expectation import declared_end
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -95,7 +96,7 @@ def _check_surroundings(
 
 
 def _outcome(block: Block, binding: Binding, state: State) -> State:
-    after = block.expected_end(binding, state)
+    after = declared_end(block, binding, state)
     assert after is not None
     return after
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
+from hybrid_tamp.model.expectation import expect
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
@@ -142,4 +143,4 @@ def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:
 
 
 def _expected(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:
-    return block.expected_duration(binding, start, {name: values[row] for name, values in chosen.items()})
+    return expect(block, binding, start, {name: values[row] for name, values in chosen.items()}).seconds

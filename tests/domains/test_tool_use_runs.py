@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.common.metrics import run_of
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
 from hybrid_tamp_domains.tool_use.geometry import LEVEL, swing_angle
 from random_tasks.hammer import Scene, hammer_task, random_hammer
@@ -19,6 +18,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
+from hybrid_tamp.skills import run_of
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
 

@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 from hybrid_tamp_domains.rolling_tumbling.predicates import INSIDE
@@ -19,6 +18,7 @@ from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork, parse_slot
 from hybrid_tamp.model.predicate import ANY, Parameter, Predicate
+from hybrid_tamp.skills import Region, StaticEndEffector
 from hybrid_tamp.testing import check_domain
 
 EDGES = [(".".join(source), ".".join(target)) for source, target in DOMAIN.network.edges]

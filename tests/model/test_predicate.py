@@ -5,7 +5,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.common.classes import StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import LOW_ENOUGH
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -24,6 +23,7 @@ from hybrid_tamp.model.predicate import Literal, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import different
 from hybrid_tamp.questions.changes import with_copy
+from hybrid_tamp.skills import StaticEndEffector
 from hybrid_tamp.taskfile.domains import find_domain
 
 PART, OLD, NEW = Parameter("part", Part), Parameter("old", COLOURS), Parameter("new", COLOURS)

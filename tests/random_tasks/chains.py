@@ -1,7 +1,6 @@
 """Random tasks that need chains of movements. All tasks have plans, as the search in `oracle` has confirmed."""
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import Region
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from numpy.typing import ArrayLike
 
@@ -10,6 +9,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills import Region
 from random_tasks.small_rolling import Given, place_drum, random_drum, relay_hands, roller
 from random_tasks.small_tools import hammer_scene, turned
 from random_tasks.small_tumbling import cubelike, random_box, slender, tumbling_task

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import Region
 from hybrid_tamp_domains.tool_use import DOMAIN
 from hybrid_tamp_domains.tool_use.classes import DexterousHand, Pushable, Pusher, Strikable, Striker
 from hybrid_tamp_domains.tool_use.geometry import foot
@@ -15,6 +14,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
+from hybrid_tamp.skills import Region
 from random_tasks.corners import Corner
 
 HAND = {

@@ -1,7 +1,6 @@
 """Random tasks of joint lifting, for trials."""
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import StaticEndEffector
 from hybrid_tamp_domains.joint_lifting import DOMAIN
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
 from hybrid_tamp_domains.joint_lifting.load import RESERVE, bearable
@@ -13,6 +12,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.skills import StaticEndEffector
 from random_tasks.corners import Corner
 
 _HAND = {

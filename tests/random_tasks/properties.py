@@ -9,7 +9,6 @@ whether a task can be carried out.
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.joint_lifting import DOMAIN as LIFTING
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN as ROLLING
@@ -24,6 +23,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.skills import Region, StaticEndEffector
 
 SIZES = (0.002, 1.0)
 """Range of all radii and edge lengths [m]."""

@@ -1,7 +1,6 @@
 """Random tasks of rolling, for trials."""
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import Region, StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 
@@ -11,6 +10,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.skills import Region, StaticEndEffector
 from random_tasks.corners import Corner
 
 

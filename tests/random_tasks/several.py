@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import Region
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN as ROLLING_TUMBLING
 from numpy.typing import ArrayLike
 
@@ -11,6 +10,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.skills import Region
 from random_tasks.lifting import random_lifting
 from random_tasks.small_rolling import Given, place_drum, random_drum, roller
 from random_tasks.small_tools import hammer_scene, turned

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import StaticEndEffector
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
 from numpy.typing import ArrayLike
@@ -13,6 +12,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.skills import StaticEndEffector
 
 KINDS = (
     "twice",

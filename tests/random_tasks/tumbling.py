@@ -1,8 +1,6 @@
 """Random tasks of tumbling, and a push with which one hand topples a box without control."""
 
 import numpy as np
-from hybrid_tamp_domains.common.classes import StaticEndEffector
-from hybrid_tamp_domains.common.servos import STIFFNESS, damping
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
 from hybrid_tamp_domains.rolling_tumbling.faces import flat
@@ -25,6 +23,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, rotate
 from hybrid_tamp.physics.protocol import Backend
+from hybrid_tamp.skills import STIFFNESS, StaticEndEffector, damping
 from random_tasks.corners import Corner
 
 Draws = np.random.Generator | Corner

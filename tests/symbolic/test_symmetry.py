@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.common.classes import Region
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -21,6 +20,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.skills import Region
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.find_plan import find_plan
 from hybrid_tamp.symbolic.strategies.search import SearchResult

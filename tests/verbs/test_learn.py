@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.common.primitives import demonstrated_reach
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 
 import hybrid_tamp
@@ -20,6 +19,7 @@ from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply
 from hybrid_tamp.motion.profile import Profile
+from hybrid_tamp.skills import demonstrated_reach
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.primitives import read_primitive
 

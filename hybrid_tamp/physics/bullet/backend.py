@@ -45,6 +45,7 @@ class BulletBackend(Client):
         super().__init__()
         self._gravity = tuple(gravity)
         self._handles: dict[str, int] = {}
+        self._moving: list[int] = []
         self._windows = ContactWindows()
         self._within: dict[str, str] = {}
 
@@ -69,10 +70,12 @@ class BulletBackend(Client):
             for one in names
             for other in names
         }
+        moving = [body for body in scene if body.mass]
+        self._moving = [self._handles[body.token] for body in moving]
         self._windows, self._within = ContactWindows(), {}
         slices = state.layout.slices
         self._index = np.array(
-            [i for b in scene for name in _BODY for i in range(state.layout.size)[slices[b.token, name]]],
+            [i for b in moving for name in _BODY for i in range(state.layout.size)[slices[b.token, name]]],
             dtype=np.intp,
         )
         self._drives = [
@@ -182,7 +185,7 @@ class BulletBackend(Client):
     def _measure(self) -> list[float]:
         measured: list[float] = []
         client = self._client
-        for handle in self._handles.values():
+        for handle in self._moving:
             for vectors in (
                 pybullet.getBasePositionAndOrientation(handle, physicsClientId=client),
                 pybullet.getBaseVelocity(handle, physicsClientId=client),

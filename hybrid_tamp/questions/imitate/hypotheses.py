@@ -17,6 +17,7 @@ from hybrid_tamp.feasibility.bindings import order_conditions
 from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.bindings import enumerate_bindings, order_roles
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.expectation import declared_end
 from hybrid_tamp.model.facts import StaticFacts
 from hybrid_tamp.model.plan import TIME_TOLERANCE
 from hybrid_tamp.model.predicate import Atom, Literal, SymbolSort, Value, name_of
@@ -234,7 +235,7 @@ class Hypotheses:
         seen = self.observation
         tokens = [token for _, token in slots]
         before = seen.likely(start)
-        after = block.expected_end(self.task.bind(dict(slots + targets)), before) or before
+        after = declared_end(block, self.task.bind(dict(slots + targets)), before) or before
         places = np.array([seen.place(token, reached) for token in tokens])
         off = np.stack([np.linalg.norm(after[t, "position"] - p, axis=-1) for t, p in zip(tokens, places, strict=True)])
         way = np.linalg.norm(places - [seen.place(token, start) for token in tokens], axis=-1)

@@ -15,6 +15,7 @@ import numpy as np
 from hybrid_tamp.model.affordance import PlaceClass
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.expectation import declared_end
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Atom, Binding, Literal, SymbolSort, Value, name_of
 from hybrid_tamp.model.state import State
@@ -164,7 +165,7 @@ class _Explorer:
     def _end(
         self, block: Block, slot: str, node: Node, targets: Mapping[str, Value], binding: Binding, state: State
     ) -> Node:
-        after = block.expected_end(binding, state)
+        after = declared_end(block, binding, state)
         assert after is not None, "only an outcome determines an end"
         pose = {name: after[self.token, name].copy() for name in node.pose}
         place = next((v.name for v in targets.values() if isinstance(v, Token) and v.place), None)

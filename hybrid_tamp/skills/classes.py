@@ -6,31 +6,20 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from pydantic import AfterValidator
 
-from hybrid_tamp.authoring import (
-    BasicAction,
-    Box,
-    CapabilityClass,
-    Cylinder,
-    CylinderSize,
-    HalfExtents,
-    PlaceClass,
-    Shape,
-    ShapeFeature,
-    State,
-    Token,
-    Vector3,
-    find_floating,
-    quantity,
-    rotate,
-    without_rounding,
-)
-
-from .vectors import UP, depth_in_workspace
+from hybrid_tamp.geometry.agreement import CylinderSize, HalfExtents, ShapeFeature
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape
+from hybrid_tamp.model.affordance import AffordanceClass, BasicAction, CapabilityClass, PlaceClass, Vector3, quantity
+from hybrid_tamp.model.margins import without_rounding
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.support import find_floating
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.skills.vectors import UP, depth_in_workspace
 
 _MOST_RAISED = 0.01
 """Largest distance of a region from the floor [m]."""
 _MOST_TILTED = np.radians(3.0)
-"""Largest angle between the axis of a region and the vertical [rad]."""
+"""Largest angle between the axis of a region or surface and the vertical [rad]."""
 
 
 def _all_positive(vector: Vector3) -> Vector3:
@@ -129,6 +118,32 @@ class Grounded:
         return find_floating(token, state, tokens)
 
 
+class Body(Grounded, AffordanceClass):
+    """Base of classes of rigid bodies with a mass and a friction coefficient, which rest on something at the start."""
+
+    mass: float = mass_property()
+    friction: float = friction_property()
+
+
+class Surface(PlaceClass):
+    """A fixed body with a level top, e.g. a table. Objects can lie on it."""
+
+    name: ClassVar[str] = "SURFACE"
+
+    friction: float = friction_property()
+
+    @staticmethod
+    def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
+        """Return an error message if the surface is not level, otherwise None."""
+        return _find_tilt(token, state)
+
+
+class Container(Surface):
+    """A fixed body that is open at its top, e.g. a tray. Objects can lie in it."""
+
+    name: ClassVar[str] = "CONTAINER"
+
+
 class Region(PlaceClass):
     """A disc on the floor that can be the destination of an object."""
 
@@ -143,8 +158,14 @@ class Region(PlaceClass):
         if abs(height) > _MOST_RAISED:
             limit = f"at z = 0 within {_MOST_RAISED:g} m, because blocks move objects over the floor only"
             return f"a REGION is a disc on the floor, {limit}; it is at z = {height:g} m"
-        tilt = np.arccos(np.clip(rotate(state[token, "orientation"], UP)[2], -1.0, 1.0))
-        if tilt > _MOST_TILTED:
-            limit = f"{np.degrees(_MOST_TILTED):.0f} degrees"
-            return f"a REGION must be level within {limit}; it is tilted by {np.degrees(tilt):.3g} degrees"
+        return _find_tilt(token, state)
+
+
+def _find_tilt(token: Token, state: State) -> str | None:
+    """Return an error message if the z axis of a token is not vertical, otherwise None."""
+    tilt = np.arccos(np.clip(rotate(state[token, "orientation"], UP)[2], -1.0, 1.0))
+    if tilt <= _MOST_TILTED:
         return None
+    limit = f"{np.degrees(_MOST_TILTED):.0f} degrees"
+    kind = next(each.name for each in token.classes if issubclass(each, Region | Surface))
+    return f"a {kind} must be level within {limit}; it is tilted by {np.degrees(tilt):.3g} degrees"

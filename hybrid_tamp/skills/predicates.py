@@ -2,28 +2,21 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
-from hybrid_tamp.authoring import (
-    TOKEN,
-    Box,
-    Cylinder,
-    Disc,
-    FloatArray,
-    Kind,
-    ObjectClass,
-    Parameter,
-    Predicate,
-    Sphere,
-    State,
-    Token,
-    Value,
-    points_of,
-)
-
-from .classes import Region, StaticEndEffector
-from .vectors import depth_in_workspace, norm
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Sphere
+from hybrid_tamp.geometry.surfaces import points_of
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
+from hybrid_tamp.model.disc import Disc
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.predicate import Parameter, Predicate, Value
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.classes import Region, StaticEndEffector
+from hybrid_tamp.skills.vectors import depth_in_workspace, norm
 
 REST_SPEED = 0.02
 """Largest speed at which a token counts as at rest [m/s]."""
@@ -38,6 +31,25 @@ length_predicate = partial(Predicate, unit="m", scale=0.01)
 def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
     """Turn a margin that depends only on fixed properties into a margin for batches of states."""
     return lambda state, *values, **factor: np.full(state.values.shape[:-1], margin(*values, **factor))
+
+
+def physical_bound(name: str, parameters: tuple[Parameter, ...], margin: Callable[..., Any], **told: Any) -> Predicate:
+    """Return a feasibility fact that states what physics allows at best.
+
+    Args:
+        name: name of the predicate.
+        parameters: parameters of the predicate.
+        margin: ``margin(state, *values)`` returns the margin ``(...)``. Without `reads`, the margin depends on fixed
+            properties only, and ``margin(*values)`` returns a number.
+        **told: further arguments of `Predicate`. The default unit is the metre, with a scale of 0.01 m.
+    """
+    batched = margin if "reads" in told else everywhere(margin)
+    return Predicate(name, parameters, batched, kind=Kind.STATIC, **{"unit": "m", "scale": 0.01, **told})
+
+
+def competence(name: str, parameters: tuple[Parameter, ...], margin: Callable[..., Any], **told: Any) -> Predicate:
+    """Return a feasibility fact that states what the blocks can do. The arguments are those of `physical_bound`."""
+    return physical_bound(name, parameters, margin, competence=True, **told)
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:

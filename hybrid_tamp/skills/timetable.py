@@ -4,7 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from hybrid_tamp.authoring import CONTROL_PERIOD, FloatArray, State
+from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
 
 _ROWS = 64
 """Number of control periods that are evaluated at once."""

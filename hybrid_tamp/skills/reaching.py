@@ -11,30 +11,19 @@ from functools import partial
 
 import numpy as np
 
-from hybrid_tamp.authoring import (
-    DMP,
-    Binding,
-    Block,
-    Commands,
-    Duration,
-    FloatArray,
-    Hyperparameter,
-    Literal,
-    Movement,
-    Parameters,
-    Policy,
-    Predicate,
-    Slot,
-    State,
-    Target,
-)
-
-from .classes import StaticEndEffector
-from .predicates import AT_REST, IN_WORKSPACE
-from .primitives import demonstrated_reach
-from .roles import MOTION, get_token
-from .servos import hand_servo, hand_system
-from .timetable import Timetable
+from hybrid_tamp.model.block import Block, Duration, Slot, Target
+from hybrid_tamp.model.control import Commands, Hyperparameter, Parameters, Policy
+from hybrid_tamp.model.movement import Movement
+from hybrid_tamp.model.predicate import Binding, Literal, Predicate
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.skills.classes import StaticEndEffector
+from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
+from hybrid_tamp.skills.primitives import demonstrated_reach
+from hybrid_tamp.skills.roles import MOTION, get_token
+from hybrid_tamp.skills.servos import hand_servo, hand_system
+from hybrid_tamp.skills.timetable import Timetable
 
 _LIFT = 0.36
 """Height to which the demonstrated reach rises above its start and its goal [m]."""
@@ -98,7 +87,7 @@ def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: Sta
     return policy
 
 
-def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
+def make_reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
     """Return the block REACHING for one kind of goal.
 
     Args:
@@ -130,7 +119,7 @@ def reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = N
         hold=True,
         policy=partial(_follow, goal, primitive),
         system=hand_system,
-        taught=lambda other: reaching(goal, mode, other),
+        taught=lambda other: make_reaching(goal, mode, other),
         movement=Movement("hand", "position", 3),
         outcome=outcome,
         description="the hand moves along a curve to a place beside the object and stays there",

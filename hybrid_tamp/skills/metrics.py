@@ -2,7 +2,10 @@
 
 from collections.abc import Callable, Iterator, Mapping
 
-from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, split_mode
+from hybrid_tamp.model.plan import BlockInstance, split_mode
+from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.task import Task
 
 Measures = Callable[[Task, Recording, BlockInstance], Iterator[tuple[str, float]]]
 """``measures(task, recording, instance)`` yields a pair of (metric, value) for each metric of a block instance."""

@@ -6,9 +6,11 @@ from importlib.resources import files
 
 import numpy as np
 
-from hybrid_tamp.authoring import DMP, FloatArray, Profile, minimum_jerk
-
-from .vectors import HORIZONTAL, UP
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.dmp import DMP
+from hybrid_tamp.motion.minimum_jerk import minimum_jerk
+from hybrid_tamp.motion.profile import Profile
+from hybrid_tamp.skills.vectors import HORIZONTAL, UP
 
 _SAMPLES = 201
 _AHEAD = 0.5

@@ -5,18 +5,13 @@ from typing import Protocol
 
 import numpy as np
 
-from hybrid_tamp.authoring import (
-    Binding,
-    Commands,
-    ContinuousSystem,
-    FloatArray,
-    State,
-    Token,
-    quaternion_conjugate,
-    quaternion_multiply,
-)
-
-from .roles import get_token
+from hybrid_tamp.model.control import Commands, ContinuousSystem
+from hybrid_tamp.model.predicate import Binding
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply
+from hybrid_tamp.skills.roles import get_token
 
 STIFFNESS = 8000.0
 """Stiffness of the position servo [N/m]."""

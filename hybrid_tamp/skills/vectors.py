@@ -2,7 +2,10 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, State, Token, quaternion_conjugate, rotate
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
 HORIZONTAL = np.array([1.0, 1.0, 0.0])
@@ -11,12 +14,7 @@ HORIZONTAL = np.array([1.0, 1.0, 0.0])
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
     """Return the inner product ``(...)`` over the last axis."""
-    return np.asarray(np.add.reduce(one * other, axis=-1))
-
-
-def norm(vector: FloatArray) -> FloatArray:
-    """Return the Euclidean norm ``(...)`` over the last axis, with the bits of `numpy.linalg.norm` in less time."""
-    return np.asarray(np.sqrt(np.add.reduce(vector * vector, axis=-1)))
+    return np.asarray(np.vecdot(one, other))
 
 
 def to_body(state: State, token: Token, vectors: FloatArray) -> FloatArray:
@@ -35,3 +33,19 @@ def largest_depth(hand: Token, position: FloatArray, radius: float) -> FloatArra
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     depth = np.minimum(position - lower, upper - position) + np.array([radius, radius, 0.0])
     return np.asarray(np.minimum(depth, (upper - lower) / 2.0).min(axis=-1))
+
+
+def norm(vector: FloatArray) -> FloatArray:
+    """Return the Euclidean norm ``(...)`` over the last axis."""
+    return np.sqrt(dot(vector, vector))
+
+
+def point(state: State, token: Token, body: FloatArray) -> FloatArray:
+    """Convert a point ``(..., 3)`` [m] from the token's body frame to the world frame."""
+    return state[token, "position"] + rotate(state[token, "orientation"], body)
+
+
+def point_velocity(state: State, token: Token, body: FloatArray) -> FloatArray:
+    """Return the velocity ``(..., 3)`` [m/s] of a point of the token. The point `body` is in the body frame."""
+    arm = rotate(state[token, "orientation"], body)
+    return np.asarray(state[token, "velocity"] + cross(state[token, "angular_velocity"], arm))

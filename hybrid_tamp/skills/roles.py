@@ -2,7 +2,9 @@
 
 from typing import cast
 
-from hybrid_tamp.authoring import BODY_STATE, Binding, Token
+from hybrid_tamp.model.affordance import BODY_STATE
+from hybrid_tamp.model.predicate import Binding
+from hybrid_tamp.model.token import Token
 
 BODY = tuple(varying.name for varying in BODY_STATE)
 """Names of the varying properties of a body that moves freely."""

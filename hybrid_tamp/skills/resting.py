@@ -1,22 +1,14 @@
 """The block RESTING (paper, D6) of a token that no other block manipulates."""
 
-from hybrid_tamp.authoring import (
-    FLOOR,
-    TOKEN,
-    Binding,
-    Block,
-    Commands,
-    Duration,
-    FloatArray,
-    Parameters,
-    Policy,
-    Slot,
-    State,
-)
-
-from .predicates import AT_REST
-from .roles import get_token
-from .servos import hand_servo
+from hybrid_tamp.model.affordance import TOKEN
+from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot
+from hybrid_tamp.model.control import Commands, Parameters, Policy
+from hybrid_tamp.model.predicate import Binding
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.predicates import AT_REST
+from hybrid_tamp.skills.roles import get_token
+from hybrid_tamp.skills.servos import hand_servo
 
 
 def stay(binding: Binding, start: State, parameters: Parameters, slot: str = "token") -> Policy:

@@ -1,0 +1,76 @@
+"""Assembly of a domain from its blocks. Classes, predicates and the network follow from the blocks."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from hybrid_tamp.model.affordance import TOKEN, CapabilityClass, ObjectClass
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.network import ReassignmentNetwork
+from hybrid_tamp.model.predicate import Predicate
+from hybrid_tamp.skills.resting import RESTING
+
+
+def make_domain(name: str, blocks: Iterable[Block], edges: Iterable[tuple[str, str]] = (), **told: Any) -> Domain:
+    """Return the domain of some blocks and RESTING.
+
+    Args:
+        name: name of the domain in task files.
+        blocks: all blocks except RESTING.
+        edges: further edges of the network, as pairs of ``"BLOCK.slot"``. See `derive_edges` for the other edges.
+        **told: further arguments of `Domain`.
+
+    Raises:
+        DomainError: if the declarations contradict each other.
+    """
+    every = (*blocks, RESTING)
+    network = ReassignmentNetwork((*derive_edges(every), *edges), [block.name for block in every])
+    return Domain(name, find_classes(every), find_predicates(every), every, network, **told)
+
+
+def find_predicates(blocks: Iterable[Block]) -> tuple[Predicate, ...]:
+    """Return the predicates of all conditions, in the order of their first mention."""
+    literals = (each for block in blocks for each in (*block.entry, *block.exit, *block.invariants))
+    return tuple(dict.fromkeys(literal.predicate for literal in literals))
+
+
+def find_classes(blocks: Iterable[Block]) -> tuple[type[ObjectClass], ...]:
+    """Return the classes of all slots, targets and parameters, in the order of their first mention."""
+    blocks = tuple(blocks)
+    parameters = (parameter.sort for predicate in find_predicates(blocks) for parameter in predicate.parameters)
+    sorts = (*(sort for block in blocks for sort in block.roles.values()), *parameters)
+    return tuple(dict.fromkeys(each for each in sorts if isinstance(each, type) and each is not TOKEN))
+
+
+def derive_edges(blocks: Iterable[Block]) -> Iterator[tuple[str, str]]:
+    """Yield the edges that the conditions of the blocks imply.
+
+    A block that requires a maintained fact gets the tokens of this fact from the block that maintains the fact, because
+    the fact ends with this block. All other tokens come from RESTING. Every token may go to RESTING, and a hand may go
+    directly to each slot that takes resting hands.
+    """
+    blocks = tuple(blocks)
+    entered: list[tuple[str, type[ObjectClass]]] = []
+    slots = [(block, slot) for block in blocks if block is not RESTING for slot in block.slots]
+    for block, slot in slots:
+        place = f"{block.name}.{slot.name}"
+        givers = [f"{giver.name}.{role}" for giver in blocks for role in _handed(giver, block, slot.name)]
+        if not givers:
+            entered.append((place, slot.object_class))
+        yield from ((giver, place) for giver in givers or ["RESTING.token"])
+        yield place, "RESTING.token"
+    for block, slot in slots:
+        if issubclass(slot.object_class, CapabilityClass):
+            for place, wanted in entered:
+                if issubclass(slot.object_class, wanted):
+                    yield f"{block.name}.{slot.name}", place
+
+
+def _handed(giver: Block, taker: Block, slot: str) -> Iterator[str]:
+    """Yield the slots of `giver` that hold the token of a maintained fact which `taker` requires of a slot."""
+    for literal in taker.changing_entry:
+        if literal.predicate.maintained and slot in literal.arguments:
+            index = literal.arguments.index(slot)
+            for made in giver.maintained_exit:
+                if made.predicate is literal.predicate and made.arguments[index] in {each.name for each in giver.slots}:
+                    yield made.arguments[index]

@@ -1,0 +1,160 @@
+"""Maker of the two blocks of a push: the hand reaches a position behind the object, and pushes the object."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
+from hybrid_tamp.model.control import Hyperparameter
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate, SymbolSort, Value
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.classes import StaticEndEffector
+from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence, length_predicate, near
+from hybrid_tamp.skills.pushing import Push
+from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
+from hybrid_tamp.skills.roles import BODY, MOTION, POSE, get_token
+from hybrid_tamp.skills.vectors import depth_in_workspace
+
+_TOLERANCE = 0.025
+"""Largest distance of a hand from its standby position [m]."""
+_SPEED, _DECELERATION = 0.2, 0.15
+"""Default speed [m/s] and default final deceleration [m/s^2] of a push."""
+
+
+@dataclass(frozen=True)
+class _Roles:
+    """The roles of a push, in the order of the arguments of its predicates: hand, object, targets."""
+
+    names: tuple[str, ...]
+    sorts: tuple[type[ObjectClass] | SymbolSort, ...]
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        return tuple(map(Parameter, self.names, self.sorts))
+
+    def bind(self, *values: Value) -> Binding:
+        return dict(zip(self.names, values, strict=True))
+
+    def reads(self, hand: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+        read = {
+            name: POSE
+            for name, sort in zip(self.names, self.sorts, strict=True)
+            if name != "hand" and not isinstance(sort, SymbolSort)
+        }
+        return {"hand": hand, **read}
+
+
+def make_pushing(
+    name: str,
+    push: Push,
+    thing: type[ObjectClass],
+    targets: tuple[Target, ...],
+    effects: tuple[Literal, ...],
+    feasible: tuple[Literal, ...] = (),
+    contacts: Iterable[tuple[str, str]] = (("object", FLOOR),),
+    description: str = "the hand pushes the object from behind",
+) -> tuple[Block, Block]:
+    """Return the blocks ``REACHING:behind`` and `name`, with the slots `hand` and `object`.
+
+    The blocks also require two facts: the hand is strong enough (`able_to_push`), and the hand stays in its workspace
+    during the push (`push_within_reach`).
+
+    Args:
+        name: name of the pushing block, e.g. ``"SWEEPING"``.
+        push: the movement.
+        thing: class of the pushed object.
+        targets: roles that determine the push, e.g. a region.
+        effects: exit conditions in addition to the rest of hand and object.
+        feasible: further feasibility facts that the push requires.
+        contacts: pairs of roles that may touch, in addition to the hand and the object.
+        description: description of the pushing block in one line.
+    """
+    sorts = (StaticEndEffector, thing, *(target.sort for target in targets))
+    roles = _Roles(("hand", "object", *(target.name for target in targets)), sorts)
+    behind = _behind(push, roles)
+    facts = (_able(push, roles)(*roles.names), _room(push, roles)(*roles.names), *feasible)
+    reach = ReachGoal(
+        targets=(Target("object", thing), *targets),
+        position=push.standby,
+        entry=(*facts, AT_REST("object")),
+        arrived=(behind(*roles.names), IN_WORKSPACE("hand")),
+        lasting=(AT_REST("object"),),
+    )
+    pushing = Block(
+        name=name,
+        slots=(Slot("hand", StaticEndEffector), Slot("object", thing)),
+        anchor="object",
+        targets=targets,
+        entry=(*facts, behind(*roles.names), AT_REST("object")),
+        exit=(*effects, AT_REST("object"), AT_REST("hand"), IN_WORKSPACE("hand")),
+        invariants=(IN_WORKSPACE("hand"),),
+        writes={"hand": MOTION, "object": BODY},
+        allowed_contacts=(("hand", "object"), *contacts),
+        hyperparameters=_hyperparameters(push),
+        duration=Duration(0.2, 40.0),
+        policy=push.policy,
+        system=push.system,
+        description=description,
+    )
+    return make_reaching(reach, "behind"), pushing
+
+
+def _hyperparameters(push: Push) -> tuple[Hyperparameter, ...]:
+    return (
+        Hyperparameter("distance", "m", 0.0, 10.0, lambda b, s: push.line(b, s)[1], "distance of the push"),
+        Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(_SPEED), "largest speed"),
+        Hyperparameter(
+            "deceleration", "m/s^2", 0.02, 1.0, lambda b, s: np.asarray(_DECELERATION), "final deceleration"
+        ),
+    )
+
+
+def _behind(push: Push, roles: _Roles) -> Predicate:
+    return length_predicate(
+        "behind",
+        roles.parameters,
+        near(_TOLERANCE, lambda state, *values: push.standby(roles.bind(*values), state)),
+        reads=roles.reads(POSE),
+        kind=Kind.MAINTAINED,
+        description="{hand} is behind {object}, ready to push it",
+        denial="{hand} is not behind {object}",
+    )
+
+
+def _able(push: Push, roles: _Roles) -> Predicate:
+    def margin(*values: Value) -> float:
+        binding = roles.bind(*values)
+        return float(get_token(binding, "hand")["maximal_force"] - push.resistance(binding).force)
+
+    return competence(
+        "able_to_push",
+        roles.parameters,
+        margin,
+        unit="N",
+        scale=10.0,
+        description="{hand} is strong enough to push {object}",
+        denial="{hand} is too weak to push {object} against its friction",
+    )
+
+
+def _room(push: Push, roles: _Roles) -> Predicate:
+    def margin(state: State, *values: Value) -> FloatArray:
+        binding = roles.bind(*values)
+        hand = get_token(binding, "hand")
+        direction, distance = push.line(binding, state)
+        begin = push.standby(binding, state)
+        ends = begin, begin + direction * distance[..., None]
+        return np.asarray(np.min([depth_in_workspace(hand, end) for end in ends], axis=0))
+
+    return competence(
+        "push_within_reach",
+        roles.parameters,
+        margin,
+        reads=roles.reads(("orientation",)),
+        description="{hand} stays in its workspace when it pushes {object}",
+        denial="{hand} would leave its workspace when it pushes {object}",
+    )

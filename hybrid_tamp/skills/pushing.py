@@ -1,0 +1,176 @@
+"""Pushing: a hand moves behind an object and pushes it along a straight line.
+
+At a remaining distance e, the hand moves at the speed ``v = min(speed, sqrt(2 deceleration e))``, so that the object
+stops after the chosen distance. A further force of the hand compensates the resistance of the object. Perpendicular to
+the line, the hand follows the object. The forward model is one-dimensional along the line: the hand and the object meet
+without a bounce, and the object slows down by friction. An object that leaves its support falls.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.model.control import Commands, ContinuousSystem, Parameters, Policy
+from hybrid_tamp.model.predicate import Binding
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.motion.poses import cross, integrate, rotate
+from hybrid_tamp.skills.roles import get_token
+from hybrid_tamp.skills.servos import force_on, position_servo
+from hybrid_tamp.skills.steering import steer
+from hybrid_tamp.skills.vectors import UP, dot
+
+STANDOFF = 0.03
+"""Gap between an object and a hand in its standby position [m]."""
+_APPROACH_GAIN = 4.0
+_APPROACH_SPEED = 0.15
+_SPEED_RATE = 200.0
+"""Rate at which the hand's speed converges to the wanted speed [1/s]."""
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """How an object resists a push, and how it slows down by itself.
+
+    Attributes:
+        force: force that moves the object at a constant speed [N].
+        deceleration: deceleration of the object when nothing pushes it [m/s^2].
+        inertia: force per acceleration of the object [kg]. For an object that rolls, more than its mass.
+        radius: radius of an object that rolls [m], or None for an object that slides.
+    """
+
+    force: float
+    deceleration: float
+    inertia: float
+    radius: float | None = None
+
+
+@dataclass(frozen=True)
+class Push:
+    """A straight push. All functions take a binding with the roles `hand` and `object`, and all but one a state.
+
+    Attributes:
+        line: ``line(binding, state)`` returns the unit vector ``(..., 3)`` of the push, which is horizontal, and the
+            distance ``(...)`` [m] of the push in this direction.
+        touching: ``touching(binding, state, direction)`` returns the distance ``(...)`` [m] from the hand's centre to
+            the object's centre along the line when both touch.
+        beside: ``beside(binding, state)`` returns the point ``(..., 3)`` [m] that the hand follows perpendicular to the
+            line, e.g. the object's centre.
+        resistance: ``resistance(binding)`` returns the `Resistance` of the object.
+        ground: ``ground(binding, state)`` returns the height ``(...)`` [m] of the surface below the object. None if the
+            object keeps its height.
+        steered: whether the object slides. Then a hand that touches the object at a point pushes beside its middle to
+            counteract a turn. A hand that lies across the line keeps the object straight, and moves straight itself.
+    """
+
+    line: Callable[[Binding, State], tuple[FloatArray, FloatArray]]
+    touching: Callable[[Binding, State, FloatArray], FloatArray]
+    beside: Callable[[Binding, State], FloatArray]
+    resistance: Callable[[Binding], Resistance]
+    ground: Callable[[Binding, State], FloatArray] | None = None
+    steered: bool = False
+
+    def standby(self, binding: Binding, state: State) -> FloatArray:
+        """Return the position ``(..., 3)`` [m] of the hand's centre before the push, at a distance from the object."""
+        direction, _ = self.line(binding, state)
+        behind = self.touching(binding, state, direction) + STANDOFF
+        place = self.beside(binding, state)
+        along = dot(place - state[get_token(binding, "object"), "position"], direction)
+        return np.asarray(place - direction * (along + behind)[..., None])
+
+    def policy(self, binding: Binding, start: State, parameters: Parameters) -> Policy:
+        """Make the policy. Its hyperparameters are ``distance`` [m], ``speed`` [m/s] and ``deceleration`` [m/s^2]."""
+        hand, thing = get_token(binding, "hand"), get_token(binding, "object")
+        direction, _ = self.line(binding, start)
+        origin = start[thing, "position"].copy()
+        axes = np.stack([direction, cross(UP, direction)], axis=-2)
+        lies_across = np.abs(dot(rotate(start[hand, "orientation"], UP), axes[..., 1, :])) > _ACROSS
+        height = None if self.ground is None else self.beside(binding, start)[..., 2]
+        chosen, resistance = parameters.hyperparameters, self.resistance(binding)
+        distance, speed, braked = (np.asarray(chosen[name]) for name in ("distance", "speed", "deceleration"))
+        braking = np.minimum(resistance.inertia * braked, resistance.force)
+        rate, servo = _SPEED_RATE * hand["mass"], position_servo(hand)
+
+        def policy(elapsed: FloatArray, state: State) -> Commands:
+            centre = state[thing, "position"]
+            remaining = distance - dot(centre - origin, direction)
+            dropped = (origin - centre)[..., 2] > _DROP
+            remaining = np.where(dropped, 0.0, remaining) if height is not None else remaining
+            wanted = np.minimum(speed, np.sqrt(2 * braked * np.maximum(remaining, 0.0)))
+            gap = dot(centre - state[hand, "position"], direction) - self.touching(binding, state, direction)
+            closing = np.where(remaining > 0, np.clip(_APPROACH_GAIN * gap, 0.0, _APPROACH_SPEED), 0.0)
+            velocity = dot(state[hand, "velocity"], direction)
+            push = rate * (wanted + closing - velocity)
+            # A slowing object needs a smaller force. Otherwise, a heavy object would lag behind the hand.
+            bearing = resistance.force - np.where(wanted < speed, braking, 0.0)
+            push = push + np.where((remaining > 0) & (gap < STANDOFF / 2), bearing, 0.0)
+            # The hand controls its speed along the line, and its position perpendicular to the line.
+            beside = self.beside(binding, state)
+            if self.steered:
+                aside, _ = steer(state, thing, origin, axes)
+                aside, across = np.where(dropped | lies_across, 0.0, aside), axes[..., 1, :]
+                beside = beside + (aside - dot(beside - origin, across))[..., None] * across
+            if height is not None:  # The hand does not follow an object that falls.
+                beside = np.concatenate([beside[..., :2], height[..., None]], axis=-1)
+            follow = servo(state, beside)
+            follow = follow - dot(follow, direction)[..., None] * direction
+            return {(hand.name, "force"): follow + push[..., None] * direction}
+
+        return policy
+
+    def system(self, binding: Binding, start: State) -> ContinuousSystem:
+        """Make the system of a hand that pushes an object along the line. The object does not bounce."""
+        hand, thing = get_token(binding, "hand"), get_token(binding, "object")
+        resistance, mass = self.resistance(binding), hand["mass"]
+        whole = mass + resistance.inertia
+        forward, _ = self.line(binding, start)
+        level = None if self.ground is None else start[thing, "position"][..., 2] - self.ground(binding, start)
+
+        def system(state: State, commands: Commands, dt: float) -> State:
+            moving = dot(state[thing, "velocity"], forward)
+            # An object that was pushed past its goal and rolls back would move against the line.
+            direction = np.where((moving < -1e-9)[..., None], -forward, forward)
+            hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / mass * dt
+            along = dot(hand_velocity, direction)
+            above, sinking = self._above(binding, state, level), state[thing, "velocity"][..., 2] - GRAVITY * dt
+            falls = above > _TOUCH
+            alone = np.maximum(0.0, np.abs(moving) - np.where(falls, 0.0, resistance.deceleration) * dt)
+            gap = dot(state[thing, "position"] - state[hand, "position"], direction)
+            gap = gap - self.touching(binding, state, direction)
+            touches = (gap <= (along - alone) * dt + 1e-6) & (along > alone) & ~falls
+            common = np.maximum(0.0, (mass * along + resistance.inertia * alone) / whole)
+            alone = np.where(touches, common, alone)
+            hand_velocity = hand_velocity + (np.where(touches, common, along) - along)[..., None] * direction
+            velocity = alone[..., None] * direction
+            if level is not None:
+                velocity = velocity + np.where(falls, np.maximum(sinking, -above / dt), 0.0)[..., None] * UP
+            changes = {
+                (hand.name, "velocity"): hand_velocity,
+                (hand.name, "position"): state[hand, "position"] + hand_velocity * dt,
+                (thing.name, "velocity"): velocity,
+                (thing.name, "position"): state[thing, "position"] + velocity * dt,
+            }
+            if resistance.radius is not None:
+                spin = cross(UP, velocity) / resistance.radius
+                changes[thing.name, "angular_velocity"] = spin
+                changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
+            return state.replace(changes)
+
+        return system
+
+    def _above(self, binding: Binding, state: State, level: FloatArray | None) -> FloatArray:
+        """Return the height ``(...)`` [m] of an object above the surface below, or 0 for an object on a surface."""
+        height = state[get_token(binding, "object"), "position"][..., 2]
+        if level is None or self.ground is None:
+            return np.zeros_like(height)
+        return np.asarray(height - self.ground(binding, state) - level)
+
+
+_ACROSS = 0.7
+"""Smallest cosine of the angle between the axis of a hand and the horizontal across the push, for a flat contact."""
+_DROP = 0.01
+"""Fall after which an object no longer lies on the surface on which the hand pushed it [m]."""
+_TOUCH = 1e-6
+"""Largest height above a surface at which an object counts as lying on the surface [m]."""
