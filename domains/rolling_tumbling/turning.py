@@ -1,9 +1,8 @@
 """Policy and forward model that all modes of TIPPING share, for two hands that turn a box about an edge.
 
-A motor primitive plans the tilt of the box. Let x and v be the position and velocity of a hand. Its reference c turns
-about the edge with the planned tilt. The force of the hand is F = K (c - x) + D (c' - v) - S n, where n is the outward
-normal of its face and S is the squeeze. The hands close and squeeze before the box turns. If the box ends flat on a
-face, the hands loosen their grip before the end. If the edge slides, the box lags behind, and the hands turn further.
+A motor primitive plans the tilt of the box. The reference c of a hand turns about the edge with this tilt. The force of
+the hand is F = K (c - x) + D (c' - v) - S n, where n is the outward normal of its face and S is the squeeze. The hands
+squeeze before the box turns. If the box ends flat on a face, they loosen their grip before the end.
 """
 
 from dataclasses import dataclass
@@ -75,8 +74,7 @@ class Roles:
         hands: the hand at the near face and the hand at the far face.
         thing: the box.
         faces: the near face and the far face.
-        edge: the two faces beside the edge about which the box turns. The tilt is measured from the first face towards
-            the second.
+        edge: the two faces beside the edge of the turn. The tilt is measured from the first face towards the second.
         outcome: the posture after the turn.
     """
 

@@ -232,8 +232,7 @@ class Hypotheses:
 
     def _misfit(self, block: Block, slots: Roles, targets: Roles, start: int, reached: int) -> float | None:
         """Return the sum of the tokens' distances from their predicted positions [m], or None if one is too large."""
-        seen = self.observation
-        tokens = [token for _, token in slots]
+        seen, tokens = self.observation, [token for _, token in slots]
         before = seen.likely(start)
         after = declared_end(block, self.task.bind(dict(slots + targets)), before) or before
         places = np.array([seen.place(token, reached) for token in tokens])
