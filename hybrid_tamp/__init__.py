@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from hybrid_tamp.verbs.learn import learn as learn
     from hybrid_tamp.verbs.learn import save_primitive as save_primitive
     from hybrid_tamp.verbs.loading import Settings as Settings
+    from hybrid_tamp.verbs.new import new as new
     from hybrid_tamp.verbs.pddl import pddl as pddl
     from hybrid_tamp.verbs.plan import plan as plan
     from hybrid_tamp.verbs.probe import probe as probe
@@ -86,6 +87,7 @@ _NAMES = {
     "verbs.imitate": "imitate read_shown",
     "verbs.learn": "learn save_primitive",
     "verbs.loading": "Settings",
+    "verbs.new": "new",
     "verbs.pddl": "pddl",
     "verbs.plan": "plan",
     "verbs.probe": "probe save_members",

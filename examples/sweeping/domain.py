@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from hybrid_tamp.authoring import ANY, Binding, FloatArray, Kind, Parameter, Predicate, State, Target
+from hybrid_tamp.authoring import ANY, FLOOR, Binding, FloatArray, Kind, Parameter, Predicate, State, Target
 from hybrid_tamp.skills import (
     POSE,
     Body,
@@ -20,9 +20,12 @@ from hybrid_tamp.skills import (
     make_sliding,
 )
 
+BEYOND = 0.1
+"""Distance of a sweep beyond the edge [m]. The hand stops earlier, as soon as the crumb falls."""
+
 
 class Crumb(Body):
-    """A small body that a hand can sweep off a table."""
+    """Bodies that a hand can sweep off a table."""
 
     name: ClassVar[str] = "CRUMB"
 
@@ -41,27 +44,21 @@ CLEARED = Predicate(
 )
 
 
-BEYOND = 0.1
-"""Distance of the sweep beyond the edge [m]. The hand stops earlier, as soon as the crumb falls."""
-
-
 def line(binding: Binding, state: State) -> tuple[FloatArray, FloatArray]:
-    """Return the direction of the sweep, across the edge that faces the tray, and its distance [m]."""
+    """Return the direction ``(..., 3)`` of a sweep, across the edge that faces the tray, and its distance [m]."""
     crumb, table, tray = get_tokens(binding, "object", "table", "tray")
     normal, half = edge_towards(state, table, state[tray, "position"])
     return normal, np.maximum(distance_to_edge(state, crumb, table, normal, half) + BEYOND, 0.0)
 
 
-DOMAIN = make_domain(
-    "sweeping",
-    make_pushing(
-        "SWEEPING",
-        make_sliding(line, "table", "tray"),
-        Crumb,
-        (Target("table", Surface), Target("tray", Container)),
-        effects=(~CLEARED("object", ANY), CLEARED("object", "tray")),
-        feasible=(lies_on(Crumb)("object", "table"),),
-        description="the hand sweeps the crumb over the edge of the table into the tray",
-    ),
-    description="a hand sweeps crumbs off a table",
+REACHING, SWEEPING = make_pushing(
+    "SWEEPING",
+    make_sliding(line, "table", "tray"),
+    Crumb,
+    targets=(Target("table", Surface), Target("tray", Container)),
+    effects=(~CLEARED("object", ANY), CLEARED("object", "tray")),
+    feasible=(lies_on(Crumb)("object", "table"),),
+    contacts=(("object", FLOOR),),
+    description="the hand sweeps the crumb over the edge of the table into the tray",
 )
+DOMAIN = make_domain("sweeping", (REACHING, SWEEPING), description="a hand sweeps crumbs off a table into a tray")

@@ -16,6 +16,7 @@ from hybrid_tamp.cli.explain import explain
 from hybrid_tamp.cli.imitate import imitate
 from hybrid_tamp.cli.learn import learn
 from hybrid_tamp.cli.network import network
+from hybrid_tamp.cli.new import new
 from hybrid_tamp.cli.pddl import pddl
 from hybrid_tamp.cli.plan import plan
 from hybrid_tamp.cli.probe import probe
@@ -53,5 +54,5 @@ def _options(
 
 
 _QUESTIONS = (learn, imitate, explain, affordances, probe)
-for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, network, domains, schema, check_domain):
+for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, network, domains, schema, new, check_domain):
     app.command()(verb)  # the help lists the verbs in this order

@@ -18,6 +18,8 @@ from hybrid_tamp.taskfile.places import shown
 
 GROUP = "hybrid_tamp.domains"
 """Entry point group in which installed packages register their domains."""
+BESIDE = "domain.py"
+"""Name of the file with the domain of the task files in the same folder."""
 PROBLEMS = "hybrid_tamp_problems"
 """Package with the bundled task files."""
 
@@ -43,6 +45,26 @@ def installed_domain(name: str) -> Domain:
             "or pass find_domain to load_task"
         )
     raise InputError([Issue("", "unknown domain", shown(name), available_domains(), remedy)])
+
+
+def domains_beside(folder: Path) -> Callable[[str], Domain]:
+    """Return the function that finds an installed domain, or the domain in the file ``domain.py`` of a folder.
+
+    The file is executed only if no installed domain has the name. A task file can name a domain, but not a file.
+    """
+
+    def find(name: str) -> Domain:
+        file = folder / BESIDE
+        if _entry(name) is not None or not file.is_file():
+            return installed_domain(name)
+        found = find_domain(str(file))
+        if found.name != name:
+            raise InputError(
+                [Issue("", f"unknown domain; {BESIDE} beside the task has another one", shown(name), (found.name,))]
+            )
+        return found
+
+    return find
 
 
 def find_domain(name_or_path: str) -> Domain:

@@ -10,7 +10,7 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
-from hybrid_tamp.taskfile.domains import find_task_file, installed_domain
+from hybrid_tamp.taskfile.domains import domains_beside, find_task_file
 from hybrid_tamp.taskfile.entries import MidLevelEntry, RangeEntry, TaskFile
 from hybrid_tamp.taskfile.goals import read_goal
 from hybrid_tamp.taskfile.midlevel import check_bindings, read_midlevel
@@ -31,14 +31,15 @@ CheckPlanner = Callable[[str], None]
 
 
 def load_task(
-    source: Task | Path | str, find_domain: FindDomain = installed_domain, check_planner: CheckPlanner | None = None
+    source: Task | Path | str, find_domain: FindDomain | None = None, check_planner: CheckPlanner | None = None
 ) -> Task:
     """Load a task file. If `source` is already a task, return this task.
 
     Args:
         source: a task, the path of a YAML file, or the name of a bundled task.
-        find_domain: function that finds the domain by the name in the file. The default finds only installed domains,
-            so that task files cannot run code. `domains.find_domain` also finds modules and Python files.
+        find_domain: function that finds the domain by the name in the file. The default finds installed domains and the
+            domain in the file ``domain.py`` beside the task file. A task file can name no other code.
+            `domains.find_domain` also finds modules and Python files.
         check_planner: function that checks the name of the planner in the file. If None, the name is not checked.
 
     Raises:
@@ -48,7 +49,8 @@ def load_task(
         return source
     path = source if isinstance(source, Path) else find_task_file(source)
     document = parse(read_text(path), str(path))
-    task = read_task(document.data, document.faults, path.stem, path.parent, find_domain, check_planner)
+    finder = find_domain or domains_beside(path.parent)
+    task = read_task(document.data, document.faults, path.stem, path.parent, finder, check_planner)
     return task.replaced(source=path)
 
 

@@ -27,6 +27,7 @@ from hybrid_tamp.questions.imitate.segmentation import segment
 from hybrid_tamp.questions.imitate.transfer import KIND, Transfer, transfer
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.taskfile.copying import teach_task
+from hybrid_tamp.taskfile.domains import domains_beside
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.pose_tables import read_poses
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
@@ -82,7 +83,8 @@ def imitate(
     segmented = time.monotonic()
     with TemporaryDirectory() as temporary:
         primitives = _learn_primitives(seen, segmentation.plan, task)
-        taught = teach_task(task, primitives, Path(temporary), domain_finder(settings.domain))
+        find_domain = domain_finder(settings.domain) or domains_beside(Path(task.source or ".").parent)
+        taught = teach_task(task, primitives, Path(temporary), find_domain)
         moved = transfer(seen.task, segmentation.plan, taught, deadline)
         find_plan = partial(_outcome, moved=moved, seconds=time.monotonic() - segmented)
         result = run(taught, target, backend=backend, progress=progress, find_plan=find_plan, deadline=deadline)

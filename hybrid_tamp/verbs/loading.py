@@ -10,7 +10,7 @@ from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Limits, MidLevel, Task
 from hybrid_tamp.symbolic.engines.registry import check_engine
-from hybrid_tamp.taskfile.domains import find_domain, installed_domain
+from hybrid_tamp.taskfile.domains import find_domain
 from hybrid_tamp.taskfile.loader import load_task
 
 Record = TypeVar("Record", Task, Limits, MidLevel)
@@ -52,7 +52,7 @@ class Settings:
 def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: bool = False) -> Task:
     """Load a task.
 
-    Only the settings may name a module or Python file as the domain, because a task file must not run code.
+    Only the settings may name a module or Python file as the domain, because a task file must not name code.
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
@@ -89,13 +89,9 @@ def _replaced(record: Record, **values: Any) -> Record:
     return replace(record, **changed) if changed else record
 
 
-def domain_finder(name: str | None) -> Callable[[str], Domain]:
-    """Return the function with which a verb finds the domain of a task file.
-
-    If a `name` is given, the function always returns the domain of this name. Otherwise, the function returns the
-    installed domain that the task file names.
-    """
+def domain_finder(name: str | None) -> Callable[[str], Domain] | None:
+    """Return the function that always finds the domain of this name, or None for the default of `load_task`."""
     if name is None:
-        return installed_domain
+        return None
     chosen = find_domain(name)
     return lambda _: chosen

@@ -10,11 +10,10 @@ from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.run_result import ReplayResult
 from hybrid_tamp.physics.protocol import open_backend
-from hybrid_tamp.taskfile.domains import installed_domain
 from hybrid_tamp.taskfile.loader import load_task
 
 
-def replay(directory: Path | str, find_domain: Callable[[str], Domain] = installed_domain) -> ReplayResult:
+def replay(directory: Path | str, find_domain: Callable[[str], Domain] | None = None) -> ReplayResult:
     """Run the commands of a recording again and compare the states bit for bit.
 
     Args:

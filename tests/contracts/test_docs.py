@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 from contracts.imports import KNOWN, ROOT
 
+import hybrid_tamp
 from hybrid_tamp.errors import HybridTampError, NoPlan
 from hybrid_tamp.taskfile.domains import available_domains, find_domain
 
@@ -61,3 +63,17 @@ def test_the_table_of_feasibility_facts_has_the_kinds_of_the_bundled_domains() -
         assert ("competence" in told[key]) == predicate.competence, key
         factor = f"safety factor {predicate.safety.factor:g}" if predicate.safety else "safety factor"
         assert (factor in told[key]) == (predicate.safety is not None), key
+
+
+def test_the_first_domain_of_the_page_is_the_example_and_plans(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "domains.md").read_text(encoding="utf-8")
+    section = text.split("\n## A first domain\n", 1)[1].split("\n## ", 1)[0]
+    code = "\n".join(block.rstrip("\n") + "\n" for block in re.findall(r"```python\n(.*?)```", section, re.DOTALL))
+    example = ROOT / "examples" / "sweeping"
+    written = (example / "domain.py").read_text(encoding="utf-8")
+    assert code.split() == written.split()
+    assert len(written.splitlines()) <= 80
+    (tmp_path / "domain.py").write_text(written, encoding="utf-8")
+    (tmp_path / "task.yaml").write_text((example / "task.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    plan = hybrid_tamp.plan(tmp_path / "task.yaml").required()
+    assert sum(instance.block == "SWEEPING" for instance in plan.instances) == 2

@@ -4,7 +4,12 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = {"hybrid_tamp": "hybrid_tamp", "domains": "hybrid_tamp_domains", "problems": "hybrid_tamp_problems"}
+SOURCES = {
+    "hybrid_tamp": "hybrid_tamp",
+    "domains": "hybrid_tamp_domains",
+    "examples": "hybrid_tamp_examples",
+    "problems": "hybrid_tamp_problems",
+}
 
 
 def test_every_folder_of_modules_is_a_package_of_the_wheel() -> None:

@@ -1,0 +1,1 @@
+"""Runnable examples. ``hybrid-tamp new`` copies the domain in ``sweeping``."""
