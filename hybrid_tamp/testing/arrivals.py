@@ -7,6 +7,7 @@ import numpy as np
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
+from hybrid_tamp.model.expectation import expect
 from hybrid_tamp.model.forward_model import ForwardModel
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.state import State
@@ -95,7 +96,7 @@ class Arrivals:
         """Return the state after the expected duration of a block, and this duration [s]."""
         block, binding, state = rolled.block, rolled.binding, rolled.start
         values = block.initial_values(binding, state)
-        expected = block.expected_duration(binding, state, values)
+        expected = expect(block, binding, state, values).seconds
         steps = int(np.ceil(min(max(expected, block.duration.minimum), block.duration.maximum, _LONGEST) / self._dt))
         model = ForwardModel(block, binding, state, Parameters(values))
         for step in range(steps):
