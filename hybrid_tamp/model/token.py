@@ -1,8 +1,7 @@
 """Object tokens, whose properties are the union of the properties of their classes (paper, Sec. II-A).
 
 If two classes declare the same property, the token has that property once. Multiple inheritance in pydantic would
-merge conflicting declarations silently, by the order of the bases. `union_of` raises an error for conflicting
-declarations instead, and its result does not depend on the order of the classes.
+merge conflicting declarations silently. `union_of` raises an error for them, in any order of the classes.
 """
 
 from collections.abc import Hashable, Iterable, Mapping
@@ -218,9 +217,9 @@ class Token:
         key = (self.classes, tuple(sorted(self.properties.items())), self.shape)
         try:
             hash(key)
+            return key
         except TypeError:
             return self.name
-        return key
 
     @property
     def place(self) -> bool:
