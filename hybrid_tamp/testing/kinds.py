@@ -33,7 +33,7 @@ KINDS: Mapping[str, MistakeKind] = {
     "reads": MistakeKind(
         "The margin of a predicate depends on a varying property that `reads` does not list, or on a token that is no "
         "argument. Static predicates with `reads` may read further properties, whose initial values then count. Or a "
-        "block reads a property of a target that `Target.reads` does not list.",
+        "running block reads a property of a target that `Target.reads` does not list.",
         "add the property to 'reads' of the predicate or the target, or make the token a parameter of the predicate",
     ),
     "sees": MistakeKind(

@@ -21,7 +21,8 @@ _SIZE = 0.1
 def check_target_reads(task: Task, rolled: Rollouts, found: Disagreements, rng: np.random.Generator) -> None:
     """Report each property of a target that changes the commands or the next states, but is not in `Target.reads`.
 
-    The planner lets other blocks change a property of a target if the running block does not read the property.
+    The planner lets other blocks change a property of a target if the running block does not read the property. The
+    start of the instance is not changed, because values at the start may be read.
     """
     block, binding = rolled.block, rolled.binding
     view = View(binding, rolled.start.layout)
@@ -51,7 +52,7 @@ def _responses(
     varying: VaryingProperty | None = None,
     rng: np.random.Generator | None = None,
 ) -> FloatArray | None:
-    """Return the commands and the changes of the state for samples of a rollout, with a changed property of a token.
+    """Return the commands and the changes of the state for samples of a rollout with a changed property of a token.
 
     Return None if a function is not defined for the changed state.
     """
@@ -60,7 +61,6 @@ def _responses(
     if token is not None and varying is not None and rng is not None:
         value = changed_state(start, token, varying, _SIZE, rng)[token, varying.name]
         key = token.name, varying.name
-        start = start.replace({key: value})
         samples = [(elapsed, state.replace({key: value})) for elapsed, state in samples]
     try:
         commands = [{}] * len(samples) if block.policy is None else call_policy(block, binding, start, samples)

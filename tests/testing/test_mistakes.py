@@ -188,7 +188,9 @@ def mistakes_of_declarations() -> Iterator[Any]:
     yield seed("unit", "PUSHING", "tilt", tuned(DURATION, TILT), name="degrees")
     yield seed("unit", "PUSHING", "duration", tuned(replace(DURATION, unit="ms")), name="unit with a prefix")
     yield seed("reads", "PUSHING", "crate", {"docked": {"reads": {"dock": ("position",)}}})
-    unread = {"REACHING": {"targets": (Target("crate", crates.Crate, reads=()), Target("dock", crates.Dock))}}
+    tracking = policy_with(lambda c, t, s, b: {k: v + 0.1 * s["crate", "position"] for k, v in c.items()}, crates.reach)
+    targets = (Target("crate", crates.Crate, reads=()), Target("dock", crates.Dock))
+    unread = {"REACHING": {**tracking, "targets": targets}}
     yield seed("reads", "REACHING", "crate", unread, name="read of a target")
     other = margin_with("in_hall", lambda m, s, hand: m - 0.1 * s["crate", "position"][..., 0])
     yield seed("reads", "REACHING", "hand", other, name="read of another token")
