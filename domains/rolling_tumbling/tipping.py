@@ -75,7 +75,8 @@ from .tumbling_predicates import (
     TIPS,
     WITHIN_REACH,
 )
-from .turning import CLOSING, Roles, after_turning, make_turning, turning_system, turning_time
+from .turning import CLOSING, Roles, after_turning, make_turning, turning_time
+from .turning_model import turning_system
 
 _LEAN_SQUEEZE = 25.0
 """Largest default squeeze [N] of hands that tilt a box from one hand over to the other hand."""

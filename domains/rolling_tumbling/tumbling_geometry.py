@@ -3,6 +3,8 @@
 Vectors are in the world frame unless a name says otherwise. Batch dimensions come first.
 """
 
+from functools import cache
+
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
@@ -43,6 +45,16 @@ def normal(state: State, thing: Token, face: str) -> FloatArray:
     return rotate(state[thing, "orientation"], NORMALS[face])
 
 
+def normals(state: State, thing: Token, *faces: str) -> FloatArray:
+    """Return the outward unit normals ``(..., n, 3)`` of n faces."""
+    return rotate(state[thing, "orientation"][..., None, :], _table(faces))
+
+
+@cache
+def _table(faces: tuple[str, ...]) -> FloatArray:
+    return np.array([NORMALS[face] for face in faces])
+
+
 def balance(thing: Token, down: str, forward: str) -> float:
     """Return the tilt [rad] from `down` towards `forward` at which the centre of the box is above the edge."""
     return float(np.arctan2(half_extent(thing, forward), half_extent(thing, down)))
@@ -50,7 +62,8 @@ def balance(thing: Token, down: str, forward: str) -> float:
 
 def tilt(state: State, thing: Token, down: str, forward: str) -> FloatArray:
     """Return the angle ``(...)`` [rad] by which the box has turned from lying on `down` towards lying on `forward`."""
-    return np.arctan2(-normal(state, thing, forward)[..., 2], -normal(state, thing, down)[..., 2])
+    heights = normals(state, thing, forward, down)[..., 2]
+    return np.arctan2(-heights[..., 0], -heights[..., 1])
 
 
 def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
@@ -138,8 +151,8 @@ def above_floor(hand: Token, position: FloatArray) -> FloatArray:
 def lowest_point(state: State, thing: Token) -> FloatArray:
     """Return the height ``(...)`` [m] of the box's lowest corner."""
     halves = np.asarray(thing["half_extents"])
-    rows = [np.abs(rotate(state[thing, "orientation"], unit)[..., 2]) for unit in _AXES]
-    return np.asarray(state[thing, "position"][..., 2] - np.stack(rows, axis=-1) @ halves)
+    heights = np.abs(rotate(state[thing, "orientation"][..., None, :], _AXES)[..., 2])
+    return np.asarray(state[thing, "position"][..., 2] - heights @ halves)
 
 
 def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Policy and forward model that all modes of TIPPING share, for two hands that turn a box about an edge.
+"""Policy that all modes of TIPPING share, for two hands that turn a box about an edge.
 
 A motor primitive plans the tilt of the box. The reference c of a hand turns about the edge with this tilt. The force of
 the hand is F = K (c - x) + D (c' - v) - S n, where n is the outward normal of its face and S is the squeeze. The hands
@@ -10,10 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.authoring import (
-    GRAVITY,
     Binding,
     Commands,
-    ContinuousSystem,
     FloatArray,
     Parameters,
     Policy,
@@ -21,7 +19,6 @@ from hybrid_tamp.authoring import (
     State,
     Token,
     cross,
-    integrate,
     minimum_jerk,
     normalized,
     quaternion_from_axis_angle,
@@ -33,7 +30,6 @@ from hybrid_tamp.skills import (
     Timetable,
     damping,
     dot,
-    force_on,
     get_symbol,
     get_tokens,
     straight_profile,
@@ -45,7 +41,6 @@ from .tumbling_geometry import (
     contact_distance,
     edge_axis,
     edge_position,
-    half_extent,
     nominal_tilt,
     normal,
     tilt,
@@ -53,7 +48,6 @@ from .tumbling_geometry import (
 
 CLOSING = 0.35
 """Time in which the hands close on the box and build up the squeeze [s]."""
-_TOUCH = 1e-4
 _CATCHING_UP = 0.7
 """Ratio of the hands' extra turn to the angle by which the box lags behind the plan."""
 _LEAD = 0.3
@@ -113,10 +107,9 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
     duration = turning_time(turn, rate)
     normals = [normal(start, thing, face) for face in roles.faces]
     gaps = [_gap(start, hand, thing, face) for hand, face in zip(roles.hands, roles.faces, strict=True)]
-    hands = [
-        (hand, start[hand, "position"] - pivot, outward, gap, damping(hand["mass"]))
-        for hand, outward, gap in zip(roles.hands, normals, gaps, strict=True)
-    ]
+    hands = [(hand, gap, damping(hand["mass"])) for hand, gap in zip(roles.hands, gaps, strict=True)]
+    # The arms of both hands and the normals of their faces turn with the box.
+    fixed = np.stack([*(start[hand, "position"] - pivot for hand in roles.hands), *normals], axis=-2)
     tipped = len(faces_of(roles.outcome)) > 1
     unit_axis = normalized(axis)
 
@@ -136,9 +129,10 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
         loose = np.zeros_like(phase) if tipped else _loose(phase, wanted - angle)
         grip = closed * (1.0 - loose)
         commands: Commands = {}
-        for hand, arm, outward, gap, brake in hands:
-            face_normal = rotate(turned, outward)
-            lever = rotate(turned, arm - outward * (gap * closed)[..., None])
+        carried = rotate(turned[..., None, :], fixed)
+        for index, (hand, gap, brake) in enumerate(hands):
+            face_normal = carried[..., index + 2, :]
+            lever = carried[..., index, :] - face_normal * (gap * closed)[..., None]
             velocity = cross(spin, lever) - face_normal * (gap * closing)[..., None]
             push = STIFFNESS * (pivot + lever - state[hand, "position"]) - face_normal * (squeeze * grip)[..., None]
             braking = brake * (velocity - state[hand, "velocity"])
@@ -189,62 +183,3 @@ def after_turning(binding: Binding, state: State) -> State:
         gap = _gap(state, hand, thing, face)[..., None] * normal(state, thing, face)
         changes[hand.name, "position"] = pivot + rotate(turn, state[hand, "position"] - gap - pivot)
     return state.replace(changes)
-
-
-def turning_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system of a rigid box that turns about a fixed edge until the floor stops it.
-
-    The box does not move until both hands touch it. Then the forces of the hands and the weight of the box turn the
-    hands and the box about the edge as one body.
-    """
-    roles = Roles.of(binding)
-    thing, hands = roles.thing, tuple(zip(roles.hands, roles.faces, strict=True))
-    sides = [half_extent(thing, face) for face in roles.edge]
-    own_inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
-    weight = np.array([0.0, 0.0, -GRAVITY * thing["mass"]])
-
-    def system(state: State, commands: Commands, dt: float) -> State:
-        pivot, axis = edge_position(state, thing, *roles.edge), edge_axis(state, thing, *roles.edge)
-        arm = state[thing, "position"] - pivot
-        inertia, moment, touching = own_inertia, dot(cross(arm, weight), axis), np.asarray(True)
-        for hand, face in hands:
-            lever = state[hand, "position"] - pivot
-            touching = touching & (_gap(state, hand, thing, face) <= _TOUCH)
-            inertia = inertia + hand["mass"] * dot(lever, lever)
-            moment = moment + dot(cross(lever, force_on(hand, state, commands)), axis)
-        speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
-        angle = tilt(state, thing, *roles.edge)
-        after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
-        # If the floor stops the box, the step ends exactly on the floor, with zero speed.
-        blocked = np.abs(after - angle - speed * dt) > 1e-12
-        spin = axis * ((after - angle) / dt)[..., None]
-        changes: dict[tuple[str, str], FloatArray] = {}
-        for hand, face in hands:
-            free = _free_velocity(state, hand, thing, face, commands, dt)
-            lever = state[hand, "position"] - pivot
-            carried = rotate(quaternion_from_axis_angle(_unit(spin), np.linalg.norm(spin, axis=-1) * dt), lever)
-            velocity = np.where(touching[..., None], (carried - lever) / dt, free)
-            changes[hand.name, "velocity"] = velocity
-            changes[hand.name, "position"] = state[hand, "position"] + velocity * dt
-        turned = quaternion_from_axis_angle(axis, after - angle)
-        still = np.where(blocked, 0.0, 1.0)[..., None]
-        changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
-        changes[thing.name, "position"] = pivot + rotate(turned, arm)
-        changes[thing.name, "angular_velocity"] = spin * still
-        changes[thing.name, "velocity"] = cross(spin, arm) * still
-        return state.replace(changes)
-
-    return system
-
-
-def _free_velocity(state: State, hand: Token, thing: Token, face: str, commands: Commands, dt: float) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a hand that moves under its own force until its face stops the hand."""
-    velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
-    outward = normal(state, thing, face)
-    gap = np.maximum(_gap(state, hand, thing, face), 0.0)
-    return np.asarray(velocity + outward * np.maximum(-dot(velocity, outward) - gap / dt, 0.0)[..., None])
-
-
-def _unit(vector: FloatArray) -> FloatArray:
-    length = np.linalg.norm(vector, axis=-1, keepdims=True)
-    return np.where(length > 1e-12, vector / np.maximum(length, 1e-12), np.array([1.0, 0.0, 0.0]))

@@ -59,6 +59,7 @@ class InstanceModel:
             [token in slots for token, _, size in self._layout.entries for _ in range(size)], dtype=bool
         )
         self._initial = view.of(task.state)
+        self._moved = {slot.name for slot in self.block.slots if self.block.writes.get(slot.name)}
         self.longest = floor(self.block.duration.maximum / CONTROL_PERIOD + 1e-6)
         self.shortest = self.block.duration.minimum - 1e-6
 
@@ -81,10 +82,32 @@ class InstanceModel:
         """Return the margins of the invariants. Shape ``(..., i)``."""
         return self._margins(self.block.invariants, state)
 
+    def holding(self, run: State, late: BoolArray) -> BoolArray:
+        """Return a mask ``(t, n)`` of the states of a run ``(t, n, m)`` in which all exit conditions hold.
+
+        `late` says in which steps the minimum duration is over. The mask is false in all other steps. Shape ``(t,)``.
+        """
+        steps, rows = np.nonzero(np.broadcast_to(late[:, None], run.values.shape[:-1]))
+        # Conditions with fewer arguments are cheaper. A condition is computed only where all cheaper conditions hold.
+        for literal in sorted(self.block.measured_exits, key=lambda literal: len(literal.arguments)):
+            if not len(steps):
+                break
+            margin = literal.margin(self.state(run.values[steps, rows]), self.binding)
+            holds = np.broadcast_to(margin >= 0, steps.shape)
+            steps, rows = steps[holds], rows[holds]
+        found = np.zeros(run.values.shape[:-1], dtype=bool)
+        found[steps, rows] = True
+        return found
+
     def _margins(self, literals: Sequence[Literal], state: State) -> FloatArray:
         batch = state.values.shape[:-1]
-        margins = [np.broadcast_to(literal.margin(state, self.binding), batch) for literal in literals]
+        margins = [np.broadcast_to(self._margin(literal, state), batch) for literal in literals]
         return np.stack(margins, axis=-1) if margins else np.zeros((*batch, 0))
+
+    def _margin(self, literal: Literal, state: State) -> FloatArray:
+        # If the instance moves no token of a condition, its margin is the same in all steps of a run ``(t, n, m)``.
+        still = state.values.ndim == 3 and self._moved.isdisjoint(literal.arguments)
+        return literal.margin(self.state(state.values[:1]) if still else state, self.binding)
 
     def start_from(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
         """Return the forward model of the instance for initial states of shape ``(n, m)``."""
@@ -158,9 +181,8 @@ class Population:
             commanded.append(commands)
         chunk = np.stack(values[1:])  # (t, n, m)
         run = self.model.state(chunk)
-        margins = self.model.exits(run)  # (t, n, e)
         elapsed = (self.done + 1 + np.arange(count)) * CONTROL_PERIOD
-        reached = (margins >= 0).all(axis=-1) & (elapsed >= self.model.shortest)[:, None]
+        reached = self.model.holding(run, elapsed >= self.model.shortest)
         self.done += count
         ends = self.done >= self.model.longest
         still = (np.abs(chunk[-1] - values[0]).max(axis=-1) < STILL) & (self.done * CONTROL_PERIOD > _AWAKE)
@@ -173,7 +195,8 @@ class Population:
         retired = over & self.pending[self.rows]
         index, local = self.rows[retired], np.flatnonzero(retired)
         self.after[index] = np.where(finite[local, None], chunk[last[local], local], self.start[index])
-        self.exits[index] = margins[last[local], local]
+        if len(index):
+            self.exits[index] = self.model.exits(self.model.state(chunk[last[local], local]))
         self.steps[index] = self.done - count + 1 + last[local]
         self.finite[index] = finite[local]
         self.pending[index] = False

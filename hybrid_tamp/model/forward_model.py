@@ -37,6 +37,8 @@ class ForwardModel:
         held = {slot.name: token for slot in block.slots if isinstance(token := binding[slot.name], Token)}
         self._limits = _limits(held.values())
         self._sizes = sizes_of(held)
+        self._sound = np.ones(start.values.shape[:-1], dtype=bool)
+        self._sound.flags.writeable = False
 
     def step(self, elapsed: FloatArray, state: State, dt: float = CONTROL_PERIOD) -> tuple[State, Commands, BoolArray]:
         """Return the next state, the limited commands, and whether both the state and the commands are finite.
@@ -56,19 +58,19 @@ class ForwardModel:
         with authored(self._names[0], self._binding):
             commands = {} if self._policy is None else self._policy(elapsed, seen)
         check_commands(self._names[0], self._binding, commands, self._sizes, seen)
-        finite = np.ones(state.values.shape[:-1], dtype=bool)
+        finite = self._sound
         for key, command in commands.items():
             square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
             # This comparison is also false for infinities and NaNs.
             if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
-                finite &= sound
+                finite = finite & sound
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
         with authored(self._names[1], self._binding):
             after = self._system(seen, commands, dt)
         check_shape(self._names[1], self._binding, after.values, seen.values.shape)
         if not isfinite(np.add.reduce(after.values, axis=None)):
-            finite &= np.isfinite(after.values).all(axis=-1)
+            finite = finite & np.isfinite(after.values).all(axis=-1)
             after = State(after.layout, np.where(finite[..., None], after.values, seen.values))
         return self._view.update(state, after), commands, finite
 

@@ -7,6 +7,7 @@ contrast to Sola, the scalar part of a quaternion comes last.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hybrid_tamp.motion import columns
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.component_products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
 
@@ -22,10 +23,9 @@ def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the cross products of vectors, with the broadcast shape ``(..., 3)``.
-
-    For small batches, this function is several times as fast as `numpy.cross`.
-    """
+    """Return the cross products of vectors ``(..., 3)``, several times as fast as `numpy.cross`."""
+    if columns.is_large(a, b):
+        return columns.cross(a, b)
     return np.asarray(a.take(_NEXT, -1) * b.take(_LAST, -1) - a.take(_LAST, -1) * b.take(_NEXT, -1))
 
 
@@ -64,7 +64,7 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
         ValueError: if a last dimension is not 4.
     """
     left, right = _array(a, 4, "a"), _array(b, 4, "b")
-    return products(left, right, HAMILTON)
+    return columns.multiply(left, right) if columns.is_large(left, right) else products(left, right, HAMILTON)
 
 
 def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
@@ -96,6 +96,8 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
         ValueError: if the last dimension of the quaternions is not 4 or the last dimension of the vectors is not 3.
     """
     unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
+    if columns.is_large(unit, source):
+        return columns.rotate(unit, source)
     terms = products(unit, unit, TURN) * source.take(EACH_ROW, -1)
     return np.asarray(source + terms @ ROW_SUMS)
 
@@ -134,10 +136,8 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike, *, unit: bool 
     """
     unit_axis = _array(axis, 3, "axis") if unit else normalized(_array(axis, 3, "axis"))
     half_angle = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
-    vector, scalar = np.sin(half_angle) * unit_axis, np.cos(half_angle)
-    if scalar.ndim != vector.ndim or scalar.shape[:-1] != vector.shape[:-1]:
-        scalar = np.broadcast_to(scalar, (*vector.shape[:-1], 1))
-    return np.concatenate([vector, scalar], axis=-1)
+    vector = np.sin(half_angle) * unit_axis
+    return np.concatenate([vector, np.cos(half_angle) + np.zeros_like(vector[..., :1])], axis=-1)
 
 
 def quaternion_from_rpy(rpy: ArrayLike) -> FloatArray:
@@ -215,16 +215,19 @@ def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike)
         ValueError: if a last dimension is wrong or a quaternion is zero.
     """
     turn = _array(angular_velocity, 3, "angular_velocity") * np.asarray(dt, dtype=np.float64)[..., None]
-    # Without normalisation, the length of the quaternion would drift over thousands of steps.
-    return normalized(quaternion_multiply(quaternion_from_rotation_vector(turn), quaternion))
+    product = quaternion_multiply(quaternion_from_rotation_vector(turn), quaternion)
+    # Without normalisation, the length would drift over thousands of steps.
+    square = np.einsum("...i,...i->...", product, product)
+    if not np.all(square > 0.0):
+        raise ValueError("cannot normalise a quaternion that is zero or not finite")
+    return np.asarray(product / np.sqrt(square)[..., None])
 
 
 def angle_about(axis: ArrayLike, quaternions: ArrayLike) -> FloatArray:
     """Return the accumulated rotation angle about a body-fixed axis. The angle is not wrapped.
 
     The angle is the integral of the angular velocity's component along the axis. The function sums the rotations
-    between consecutive samples, projected on the axis. A comparison of the angle with the travelled distance
-    distinguishes rolling from sliding. Between two samples, the body must rotate by less than half a turn.
+    between consecutive samples, projected on the axis. Between two samples, the angle must be below pi.
 
     Args:
         axis: axis in the body frame, of any non-zero length, shape ``(..., 3)``.

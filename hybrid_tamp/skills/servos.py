@@ -110,4 +110,5 @@ def hand_system(binding: Binding, start: State) -> ContinuousSystem:
 
 def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:
     """Return the commanded force on a hand ``(..., 3)`` [N], or zero if no force is commanded."""
-    return commands.get((hand.name, "force"), np.zeros_like(state[hand, "position"]))
+    force = commands.get((hand.name, "force"))
+    return np.zeros_like(state[hand, "position"]) if force is None else force

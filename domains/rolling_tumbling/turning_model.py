@@ -1,0 +1,102 @@
+"""Forward model that all modes of TIPPING share: a rigid box that two hands turn about an edge on the floor."""
+
+import numpy as np
+
+from hybrid_tamp.authoring import (
+    GRAVITY,
+    Binding,
+    Commands,
+    ContinuousSystem,
+    FloatArray,
+    State,
+    Token,
+    cross,
+    integrate,
+    quaternion_from_axis_angle,
+    rotate,
+)
+from hybrid_tamp.skills import dot, force_on
+
+from .faces import NORMALS
+from .tumbling_geometry import contact_distance, half_extent
+from .turning import Roles
+
+_TOUCH = 1e-4
+
+
+def turning_system(binding: Binding, start: State) -> ContinuousSystem:
+    """Return the system of a rigid box that turns about a fixed edge until the floor stops it.
+
+    The box does not move until both hands touch it. Then the forces of the hands and the weight of the box turn the
+    hands and the box about the edge as one body.
+    """
+    roles = Roles.of(binding)
+    thing = roles.thing
+    hands, sides = _contacts(roles), [half_extent(thing, face) for face in roles.edge]
+    own_inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
+    weight, body = np.array([0.0, 0.0, -GRAVITY * thing["mass"]]), _body_vectors(roles)
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        turned = rotate(state[thing, "orientation"][..., None, :], body)
+        arm, axis = -turned[..., 0, :], turned[..., 1, :]
+        pivot = state[thing, "position"] - arm
+        inertia, moment, touching = own_inertia, dot(cross(arm, weight), axis), np.asarray(True)
+        levers, free = [], []
+        for index, (hand, touches_at) in enumerate(hands):
+            lever, outward = state[hand, "position"] - pivot, turned[..., index + 4, :]
+            gap = dot(lever - arm, outward) - touches_at
+            levers.append(lever)
+            free.append(_free_velocity(state, hand, outward, gap, commands, dt))
+            touching = touching & (gap <= _TOUCH)
+            inertia = inertia + hand["mass"] * dot(lever, lever)
+            moment = moment + dot(cross(lever, force_on(hand, state, commands)), axis)
+        speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
+        angle = np.arctan2(-turned[..., 2, 2], -turned[..., 3, 2])
+        after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
+        # If the floor stops the box, the step ends exactly on the floor, with zero speed.
+        still = np.where(np.abs(after - angle - speed * dt) > 1e-12, 0.0, 1.0)[..., None]
+        spin = axis * ((after - angle) / dt)[..., None]
+        turn = quaternion_from_axis_angle(axis, after - angle, unit=True)
+        carried = rotate(turn[..., None, :], np.stack([*levers, arm], axis=-2))
+        changes: dict[tuple[str, str], FloatArray] = {}
+        for index, (hand, _) in enumerate(hands):
+            velocity = np.where(touching[..., None], (carried[..., index, :] - levers[index]) / dt, free[index])
+            changes[hand.name, "velocity"] = velocity
+            changes[hand.name, "position"] = state[hand, "position"] + velocity * dt
+        changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
+        changes[thing.name, "position"] = pivot + carried[..., -1, :]
+        changes[thing.name, "angular_velocity"] = spin * still
+        changes[thing.name, "velocity"] = cross(spin, arm) * still
+        return state.replace(changes)
+
+    return system
+
+
+def _contacts(roles: Roles) -> list[tuple[Token, float]]:
+    """Return each hand, and its distance [m] along the normal of its face from the centre of the box at a touch."""
+    pairs = zip(roles.hands, roles.faces, strict=True)
+    return [(hand, contact_distance(roles.thing, face) + hand["radius"]) for hand, face in pairs]
+
+
+def _body_vectors(roles: Roles) -> FloatArray:
+    """Return vectors in the body frame of the box, which a step turns at once. Shape ``(6, 3)``.
+
+    The vectors are the position of the edge [m], the axis of the turn, and the normals of the second face and of the
+    first face beside the edge, of the near face and of the far face.
+    """
+    down, forward = roles.edge
+    middle = NORMALS[down] * half_extent(roles.thing, down) + NORMALS[forward] * half_extent(roles.thing, forward)
+    axis = cross(NORMALS[forward], NORMALS[down])
+    return np.array([middle, axis, NORMALS[forward], NORMALS[down], *(NORMALS[face] for face in roles.faces)])
+
+
+def _free_velocity(
+    state: State, hand: Token, outward: FloatArray, gap: FloatArray, commands: Commands, dt: float
+) -> FloatArray:
+    """Return the velocity ``(..., 3)`` [m/s] of a hand that moves under its own force until its face stops the hand.
+
+    The face has the outward normal ``(..., 3)`` and is at the distance `gap` ``(...)`` [m] from the hand's surface.
+    """
+    velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
+    stopped = np.maximum(-dot(velocity, outward) - np.maximum(gap, 0.0) / dt, 0.0)
+    return np.asarray(velocity + outward * stopped[..., None])
