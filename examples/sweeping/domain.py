@@ -4,7 +4,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from hybrid_tamp.authoring import ANY, FLOOR, Binding, FloatArray, Kind, Parameter, Predicate, State, Target
+from hybrid_tamp.authoring import ANY, Binding, FloatArray, Kind, Parameter, Predicate, State, Target
 from hybrid_tamp.skills import (
     POSE,
     Body,
@@ -58,7 +58,6 @@ REACHING, SWEEPING = make_pushing(
     targets=(Target("table", Surface), Target("tray", Container)),
     effects=(~CLEARED("object", ANY), CLEARED("object", "tray")),
     feasible=(lies_on(Crumb)("object", "table"),),
-    contacts=(("object", FLOOR),),
     description="the hand sweeps the crumb over the edge of the table into the tray",
 )
 DOMAIN = make_domain("sweeping", (REACHING, SWEEPING), description="a hand sweeps crumbs off a table into a tray")

@@ -90,3 +90,29 @@ def test_results_print_as_tables(tmp_path: Path) -> None:
     assert "<table>" in outcome._repr_html_()
     assert outcome.failure is not None
     assert outcome.failure.message in str(outcome)
+
+
+@pytest.mark.parametrize("name", ["sweeping", "drawer"])
+def test_a_domain_of_at_most_80_lines_reaches_its_goal_in_physics(name: str, tmp_path: Path) -> None:
+    folder = EXAMPLES / name
+    assert len((folder / "domain.py").read_text(encoding="utf-8").splitlines()) <= 80
+    result = hybrid_tamp.run(folder / "task.yaml", tmp_path)
+    assert result.success
+    assert check_law(result.task, result.outcome.required()) == []
+
+
+def test_a_new_domain_is_the_example_and_is_never_overwritten(tmp_path: Path) -> None:
+    written = hybrid_tamp.new(tmp_path / "mine")
+    assert [path.name for path in written] == ["domain.py", "task.yaml", "test_domain.py"]
+    for path in written:
+        assert path.read_text(encoding="utf-8") == (EXAMPLES / "sweeping" / path.name).read_text(encoding="utf-8")
+    with pytest.raises(hybrid_tamp.InputError, match="the folder must not contain"):
+        hybrid_tamp.new(tmp_path / "mine")
+
+
+def test_the_domain_beside_a_task_has_the_name_in_the_task(tmp_path: Path) -> None:
+    hybrid_tamp.new(tmp_path)
+    text = (tmp_path / "task.yaml").read_text(encoding="utf-8")
+    (tmp_path / "task.yaml").write_text(text.replace("domain: sweeping", "domain: brushing"), encoding="utf-8")
+    with pytest.raises(hybrid_tamp.InputError, match=r"domain.py beside the task has another one; got 'brushing'"):
+        hybrid_tamp.load_task(tmp_path / "task.yaml")
