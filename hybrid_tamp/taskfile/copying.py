@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.taskfile.domains import BESIDE, file_of
 from hybrid_tamp.taskfile.loader import FindDomain, load_task
 from hybrid_tamp.taskfile.meshfile import MOST_BYTES
 from hybrid_tamp.taskfile.primitives import PrimitiveFile, teach_block
@@ -23,14 +24,16 @@ def portable(task: Task) -> tuple[str, dict[str, str]]:
     file, or if the file now describes another scene or goal, the text is generated from the task.
 
     Returns:
-        The text, and a mapping from the name of each primitive and mesh file to its content.
+        The text, and a mapping from the name of each file to its content: primitive and mesh files, and the file of a
+        domain that is not installed.
 
     Raises:
         InputError: a file cannot be read.
     """
-    if task.source is None or not _describes(task.source, task):
-        return task_text(task)
-    return _with_files(task.source)
+    written = task.source is not None and _describes(task.source, task)
+    text, named = _with_files(task.source) if task.source is not None and written else task_text(task)
+    code = file_of(task.domain)
+    return text, named if code is None else {**named, BESIDE: read_text(code)}
 
 
 def _describes(path: Path, task: Task) -> bool:

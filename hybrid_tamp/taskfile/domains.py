@@ -20,6 +20,8 @@ GROUP = "hybrid_tamp.domains"
 """Entry point group in which installed packages register their domains."""
 BESIDE = "domain.py"
 """Name of the file with the domain of the task files in the same folder."""
+_IMPORTED = "hybrid_tamp_domain_"
+"""Prefix of the names of modules that are imported from a file."""
 PROBLEMS = "hybrid_tamp_problems"
 """Package with the bundled task files."""
 
@@ -65,6 +67,15 @@ def domains_beside(folder: Path) -> Callable[[str], Domain]:
         return found
 
     return find
+
+
+def file_of(domain: Domain) -> Path | None:
+    """Return the file of a domain that was imported from a single file, or None for an installed domain."""
+    for name, module in list(sys.modules.items()):
+        found = vars(module).get("DOMAIN") if name.startswith(_IMPORTED) else None
+        if isinstance(found, Domain) and found.name == domain.name:
+            return Path(str(module.__file__))
+    return None
 
 
 def find_domain(name_or_path: str) -> Domain:
@@ -134,7 +145,7 @@ def _import_file(path: Path) -> ModuleType:
     known = _module_of(path)
     if known is not None:
         return import_module(known)
-    name = f"hybrid_tamp_domain_{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
+    name = f"{_IMPORTED}{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot import {path} as a Python module")

@@ -116,3 +116,9 @@ def test_the_domain_beside_a_task_has_the_name_in_the_task(tmp_path: Path) -> No
     (tmp_path / "task.yaml").write_text(text.replace("domain: sweeping", "domain: brushing"), encoding="utf-8")
     with pytest.raises(hybrid_tamp.InputError, match=r"domain.py beside the task has another one; got 'brushing'"):
         hybrid_tamp.load_task(tmp_path / "task.yaml")
+
+
+def test_a_run_of_a_domain_in_a_file_is_replayed_from_its_own_folder(tmp_path: Path) -> None:
+    hybrid_tamp.run(EXAMPLES / "drawer" / "task.yaml", tmp_path / "out")
+    assert (tmp_path / "out" / "domain.py").is_file()
+    assert hybrid_tamp.replay(tmp_path / "out").identical
