@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from hybrid_tamp.execution.monitors import TOLERANCE
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Atom, Binding, Literal, Predicate, name_of
 from hybrid_tamp.model.state import State
@@ -22,6 +23,8 @@ _STEPS = 10
 """Least number of time steps with which velocities are compared with poses."""
 _FASTEST = 10.0
 """Largest plausible ratio between the change of a pose and the velocity. For degrees and millimetres, it is larger."""
+_STARTS = 2
+"""Least number of states from which a block must have been rolled out before a failure in all rollouts is reported."""
 _UNITS = {"position": "m", "velocity": "m/s", "orientation": "", "angular_velocity": "rad/s"}
 
 
@@ -125,7 +128,8 @@ class Promises:
     """What no rollout of a block fulfils: deletions of atoms, and invariants.
 
     A deletion or an invariant that fails only in some rollouts is not reported, because feasibility facts are upper
-    bounds, and because the optimiser chooses hyperparameters for which the invariants hold.
+    bounds, and because the optimiser chooses hyperparameters for which the invariants hold. Invariants have the same
+    tolerance as in runs.
     """
 
     def __init__(self, task: Task) -> None:
@@ -133,15 +137,17 @@ class Promises:
         self._kept: set[tuple[str, Literal]] = set()
         self._failed: dict[tuple[str, Literal], tuple[Block, Binding, str]] = {}
         self._count: dict[str, int] = defaultdict(int)
+        self._starts: dict[str, int] = defaultdict(int)
 
     def note(self, rolled: Rollouts) -> None:
         """Note the deletions and the invariants of rollouts that reached their exit conditions."""
         block = rolled.block
         self._count[block.name] += len(rolled.rows)
+        self._starts[block.name] += 1
         for literal in block.invariants:
             least = rolled.least(literal)
             figure = f"the least margin is {with_unit(least, literal.predicate)}"
-            self._note(rolled, literal, least >= 0, figure)
+            self._note(rolled, literal, least >= -TOLERANCE * literal.predicate.scale, figure)
         for literal, atom, margin in self._deletions(rolled):
             figure = f"{atom} still holds at the end, with a margin of {with_unit(margin, literal.predicate)}"
             self._note(rolled, literal, margin < 0, figure)
@@ -149,7 +155,7 @@ class Promises:
     def report(self, found: Disagreements) -> None:
         """Add each deletion and each invariant that failed in all rollouts."""
         for (name, literal), (block, binding, figure) in self._failed.items():
-            if (name, literal) in self._kept:
+            if (name, literal) in self._kept or self._starts[name] < _STARTS:
                 continue
             broken = literal in block.invariants
             kind = "broken" if broken else "effect"

@@ -121,7 +121,7 @@ KINDS: Mapping[str, MistakeKind] = {
         "declare the condition as an invariant, or map the condition to a reason in 'waived'",
     ),
     "broken": MistakeKind(
-        "An invariant of a block was broken in all rollouts of the block.",
+        "In all rollouts of a block, an invariant was broken by more than half of the scale of its predicate.",
         "correct the movement, or remove the condition from 'invariants'",
     ),
     "influence": MistakeKind(
