@@ -79,11 +79,12 @@ class _Check:
 
     def __init__(self, task: Task, samples: int, seed: int, dt: float) -> None:
         self._dt = dt
-        self._rng = np.random.default_rng(seed)
+        # The walks have a generator of their own, so that further checks do not change the walks.
+        self._rng, self._other_rng = np.random.default_rng(seed), np.random.default_rng(seed)
         self._blocks = [b for b in task.domain.blocks if any(enumerate_bindings(task.choices(b)))]
         self._found, self._refused = Disagreements(), set[Block]()
         check_units(task, self._blocks, self._found)
-        unsound = check_margins(task, self._blocks, self._found, np.random.default_rng(seed))
+        unsound = check_margins(task, self._blocks, self._found, self._other_rng)
         self._task = _without(task, unsound)
         self._refused.update(b for b in self._blocks if not unsound.isdisjoint(predicates_of(b)))
         self._chooser = Chooser(task, [b for b in self._blocks if b not in self._refused], samples, self._rng)
@@ -144,7 +145,7 @@ class _Check:
                 return
             check_writes(rolled, self._found)
             check_velocities(rolled, self._found)
-            check_target_reads(self._task, rolled, self._found, self._rng)
+            check_target_reads(self._task, rolled, self._found, self._other_rng)
             self._tuning.note(rolled, self._found)
         if not rolled.rows:
             return
@@ -172,7 +173,7 @@ class _Check:
 
     def simulate(self) -> None:
         """Run each block in physics."""
-        self._attempt(lambda: simulate_blocks(self._task, self._chooser, self._found, self._rng, self._dt))
+        self._attempt(lambda: simulate_blocks(self._task, self._chooser, self._found, self._other_rng, self._dt))
 
     def report(self) -> list[Disagreement]:
         """Return the disagreements."""
