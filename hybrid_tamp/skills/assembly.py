@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from hybrid_tamp.model.affordance import TOKEN, CapabilityClass, ObjectClass
+from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import ReassignmentNetwork
@@ -17,7 +17,8 @@ def make_domain(name: str, blocks: Iterable[Block], edges: Iterable[tuple[str, s
     Args:
         name: name of the domain in task files.
         blocks: all blocks except RESTING.
-        edges: further edges of the network, as pairs of ``"BLOCK.slot"``. See `derive_edges` for the other edges.
+        edges: further edges of the network, as pairs of ``"BLOCK.slot"``, e.g. from one movement of a hand directly to
+            the next. See `derive_edges` for the other edges.
         **told: further arguments of `Domain`.
 
     Raises:
@@ -46,24 +47,15 @@ def derive_edges(blocks: Iterable[Block]) -> Iterator[tuple[str, str]]:
     """Yield the edges that the conditions of the blocks imply.
 
     A block that requires a maintained fact gets the tokens of this fact from the block that maintains the fact, because
-    the fact ends with this block. All other tokens come from RESTING. Every token may go to RESTING, and a hand may go
-    directly to each slot that takes resting hands.
+    the fact ends with this block. All other tokens come from RESTING. Every token may go to RESTING.
     """
     blocks = tuple(blocks)
-    entered: list[tuple[str, type[ObjectClass]]] = []
     slots = [(block, slot) for block in blocks if block is not RESTING for slot in block.slots]
     for block, slot in slots:
         place = f"{block.name}.{slot.name}"
         givers = [f"{giver.name}.{role}" for giver in blocks for role in _handed(giver, block, slot.name)]
-        if not givers:
-            entered.append((place, slot.object_class))
         yield from ((giver, place) for giver in givers or ["RESTING.token"])
         yield place, "RESTING.token"
-    for block, slot in slots:
-        if issubclass(slot.object_class, CapabilityClass):
-            for place, wanted in entered:
-                if issubclass(slot.object_class, wanted):
-                    yield f"{block.name}.{slot.name}", place
 
 
 def _handed(giver: Block, taker: Block, slot: str) -> Iterator[str]:
