@@ -63,7 +63,7 @@ def roundness(shape: Shape, axis: FloatArray) -> float:
 
 
 def rolling_radius(shape: Shape, axis: FloatArray) -> float:
-    """Return the distance rolled in a full turn about an axis, divided by 2 pi [m].
+    """Return the distance rolled in a full turn about an axis ``(3,)``, divided by 2 pi [m].
 
     The result is the mean reach, because the perimeter of a convex outline is 2 pi times its mean reach (Cauchy).
     """

@@ -67,6 +67,7 @@ class SpherePart(Sphere, Placement):
 
 
 Part = Annotated[CylinderPart | BoxPart | SpherePart, Field(discriminator="kind")]
+"""Solid of a compound, with its pose in the body frame."""
 
 
 def _not_empty(solids: tuple[Part, ...]) -> tuple[Part, ...]:
@@ -105,6 +106,7 @@ Solid = Cylinder | Box | Sphere
 WrittenShape = Annotated[Solid | Compound | MeshFile, Field(discriminator="kind")]
 """Shape as written in a task file."""
 Shape = Solid | Compound | MeshShape
+"""Shape of a token. Lengths are in metres."""
 
 _CENTRE = (0.0, 0.0, 0.0)
 

@@ -29,7 +29,7 @@ length_predicate = partial(Predicate, unit="m", scale=0.01)
 
 
 def everywhere(margin: Callable[..., float]) -> Callable[..., FloatArray]:
-    """Turn a margin that depends only on fixed properties into a margin for batches of states."""
+    """Turn a margin that depends only on fixed properties into a margin ``(...)`` for batches of states."""
     return lambda state, *values, **factor: np.full(state.values.shape[:-1], margin(*values, **factor))
 
 
@@ -53,7 +53,7 @@ def competence(name: str, parameters: tuple[Parameter, ...], margin: Callable[..
 
 
 def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
-    """Turn a static predicate's margin for one state into a margin that loops over the states of a batch."""
+    """Turn a static predicate's margin for one state into a margin ``(...)`` that loops over a batch of states."""
 
     def batched(state: State, *values: Value, **factor: float) -> FloatArray:
         rows = state.values.reshape(-1, state.values.shape[-1])

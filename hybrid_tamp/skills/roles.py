@@ -9,6 +9,7 @@ from hybrid_tamp.model.token import Token
 BODY = tuple(varying.name for varying in BODY_STATE)
 """Names of the varying properties of a body that moves freely."""
 POSE = ("position", "orientation")
+"""Names of the varying properties that make up a pose."""
 MOTION = ("position", "velocity")
 """Names of the varying properties of a hand that does not turn."""
 

@@ -26,7 +26,7 @@ def make_sliding(line: Callable[[Binding, State], tuple[FloatArray, FloatArray]]
     """Return the push of an object that slides with Coulomb friction. The hand touches its far side.
 
     Args:
-        line: returns the direction and the distance of the push (see `Push`).
+        line: returns the direction ``(..., 3)`` and the distance ``(...)`` [m] of the push (see `Push`).
         *surfaces: roles of the surfaces on which the object can lie, or none for the floor. The first of them is the
             surface on which the hand pushes. Beyond its edge, the object falls.
     """

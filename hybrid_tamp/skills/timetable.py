@@ -45,5 +45,5 @@ class Timetable:
 
 
 def round_up(seconds: FloatArray | float) -> float:
-    """Round a duration [s] up to whole milliseconds, the time unit of schedules."""
+    """Round a duration [s], one number ``()``, up to whole milliseconds, the time unit of schedules."""
     return float(np.ceil(1e3 * seconds) / 1e3)

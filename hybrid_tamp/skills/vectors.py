@@ -8,6 +8,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import cross, quaternion_conjugate, rotate
 
 UP = np.array([0.0, 0.0, 1.0])
+"""Unit vector ``(3,)`` that points up."""
 HORIZONTAL = np.array([1.0, 1.0, 0.0])
 """Factor that removes the vertical component of a vector."""
 
@@ -29,7 +30,10 @@ def depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
 
 
 def largest_depth(hand: Token, position: FloatArray, radius: float) -> FloatArray:
-    """Return an upper bound of `depth_in_workspace` for positions displaced horizontally by at most `radius` [m]."""
+    """Return an upper bound ``(...)`` [m] of `depth_in_workspace` for positions ``(..., 3)`` [m].
+
+    The bound covers horizontal displacements by at most `radius` [m].
+    """
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
     depth = np.minimum(position - lower, upper - position) + np.array([radius, radius, 0.0])
     return np.asarray(np.minimum(depth, (upper - lower) / 2.0).min(axis=-1))
