@@ -78,8 +78,8 @@ def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: Float
 def hand_servo(hand: Token, start: State) -> Servo:
     """Return a servo for all basic actions of a hand. A hand with a wrist torque keeps its initial orientation.
 
-    For a token without basic actions, the servo returns no commands. The arguments of the servo are the state, a position
-    ``(..., 3)`` [m] and a velocity ``(..., 3)`` [m/s].
+    For a token without basic actions, the servo returns no commands. The arguments of the servo are the state, a
+    position ``(..., 3)`` [m] and a velocity ``(..., 3)`` [m/s].
     """
     actions = {action.name for action in hand.basic_actions}
     force = position_servo(hand) if "force" in actions else None
