@@ -69,7 +69,7 @@ ORIENTATION = VaryingProperty("orientation", 4, "1", (0.0, 0.0, 0.0, 1.0), "orie
 VELOCITY = VaryingProperty("velocity", 3, "m/s", (0.0, 0.0, 0.0), "velocity of the body frame in the world")
 ANGULAR_VELOCITY = VaryingProperty("angular_velocity", 3, "rad/s", (0.0, 0.0, 0.0), "angular velocity in the world")
 BODY_STATE = (POSITION, ORIENTATION, VELOCITY, ANGULAR_VELOCITY)
-"""Varying properties of a rigid body: position [m], orientation (x, y, z, w), velocity [m/s], angular velocity [rad/s]."""
+"""Varying properties of a rigid body: pose (m, quaternion x, y, z, w), velocity [m/s], angular velocity [rad/s]."""
 
 
 @dataclass(frozen=True)
