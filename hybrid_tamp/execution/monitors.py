@@ -42,8 +42,7 @@ class Monitors:
         self._invariants: list[_Invariant] = [
             (each, literal, task.bind(each.instance.roles)) for each in running for literal in each.block.invariants
         ]
-        fixed = [token.name for token in task.tokens if token.fixed_body]
-        self._rules = ContactRules(task.domain.block_by_name, [each.instance for each in running], fixed)
+        self._rules = ContactRules(task.domain.block_by_name, [each.instance for each in running], task.fixed_bodies)
 
     def add(self, period: Period) -> None:
         """Add a control period, which `settle` checks later."""

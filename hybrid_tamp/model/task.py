@@ -123,6 +123,11 @@ class Task:
         """Tokens that must be in a slot at every instant, which are all tokens except places."""
         return tuple(token for token in self.tokens if not token.place)
 
+    @property
+    def fixed_bodies(self) -> tuple[str, ...]:
+        """Names of the tokens that are bodies which nothing can move."""
+        return tuple(token.name for token in self.tokens if token.fixed_body)
+
     def start_block(self, name: str) -> Block:
         """Return the block in which a token starts."""
         return self.domain.block_by_name[self.assignment.get(name, self.domain.resting)]

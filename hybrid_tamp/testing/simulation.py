@@ -147,7 +147,7 @@ class _Physics:
         The state is None after a contact that is not allowed. The time is None if the exit conditions do not hold.
         """
         instances = list(_instances(self._task, block, binding))
-        rules = ContactRules(self._task.domain.block_by_name, instances)
+        rules = ContactRules(self._task.domain.block_by_name, instances, self._task.fixed_bodies)
         self._backend.assign(instances)
         running = [Running(self._task, instance, 0.0, state) for instance in instances]
         touched: Counter[Pair] = Counter()
