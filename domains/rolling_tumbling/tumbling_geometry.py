@@ -99,7 +99,7 @@ def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray
     """
     along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = _AXES[np.argmin(along, axis=-1)]
-    height = dot(rotate(state[thing, "orientation"], across), UP)
+    height = rotate(state[thing, "orientation"], across)[..., 2]
     return np.asarray(across * np.where(height > 0, -1.0, 1.0)[..., None])
 
 

@@ -12,9 +12,9 @@ LARGE = 300
 """Number of elements above which the functions of this module are faster."""
 
 
-def is_large(*arrays: FloatArray) -> bool:
-    """Return whether one of the arrays is so large that the functions of this module are faster."""
-    return any(array.size > LARGE for array in arrays)
+def is_large(one: FloatArray, other: FloatArray) -> bool:
+    """Return whether one of two arrays is so large that the functions of this module are faster."""
+    return one.size > LARGE or other.size > LARGE
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
