@@ -17,6 +17,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import cross, integrate, rotate
+from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.roles import get_token
 from hybrid_tamp.skills.servos import force_on, position_servo
 from hybrid_tamp.skills.steering import steer
@@ -126,7 +127,7 @@ class Push:
         resistance, mass = self.resistance(binding), hand["mass"]
         whole = mass + resistance.inertia
         forward, _ = self.line(binding, start)
-        level = None if self.ground is None else start[thing, "position"][..., 2] - self.ground(binding, start)
+        level = None if self.ground is None else height_below(start, thing)
 
         def system(state: State, commands: Commands, dt: float) -> State:
             moving = dot(state[thing, "velocity"], forward)
