@@ -197,10 +197,10 @@ class Token:
         """Shape of the token.
 
         Raises:
-            ValueError: if the token has no shape.
+            UnknownProperty: if the token has no shape.
         """
         if self.shape is None:
-            raise ValueError(f"{self.name} must have a shape, got None")
+            raise UnknownProperty(self.name, "shape", self.properties)
         return self.shape
 
     def is_member(self, object_class: type[ObjectClass]) -> bool:
