@@ -13,7 +13,7 @@ from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate, 
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.skills.classes import StaticEndEffector
-from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence, length_predicate, near
+from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence, length_predicate, near, physical_bound
 from hybrid_tamp.skills.pushing import Push
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
 from hybrid_tamp.skills.roles import BODY, MOTION, POSE, get_token
@@ -130,7 +130,7 @@ def _able(push: Push, roles: _Roles) -> Predicate:
         binding = roles.bind(*values)
         return float(get_token(binding, "hand")["maximal_force"] - push.resistance(binding).force)
 
-    return competence(
+    return physical_bound(
         "able_to_push",
         roles.parameters,
         margin,
