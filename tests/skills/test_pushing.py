@@ -16,7 +16,7 @@ from hybrid_tamp.skills import derive_edges, find_classes, find_predicates
 
 TASK = hybrid_tamp.load_task(Path(__file__).resolve().parents[2] / "examples" / "sweeping" / "task.yaml")
 SWEEPING = TASK.domain.block_by_name["SWEEPING"]
-BINDING = TASK.bind({"hand": "hand", "object": "red", "table": "table", "tray": "tray"})
+BINDING = TASK.bind({"hand": "hand", "object": "walnut", "table": "table", "tray": "tray"})
 FRICTION = 0.6 * 0.8
 
 
@@ -33,20 +33,20 @@ def rolled(state: State, seconds: float) -> list[State]:
 
 
 def test_an_object_that_nothing_pushes_slides_by_the_distance_of_coulomb_friction() -> None:
-    begin = start(hand=(-0.5, 0.1, 0.34)).replace({("red", "velocity"): np.array([0.8, 0.0, 0.0])})
-    begin = begin.replace({("red", "position"): np.array([-0.2, 0.1, 0.32])})
-    way = rolled(begin, 0.4)[-1]["red", "position"][0] + 0.2
+    begin = start(hand=(-0.5, 0.1, 0.34)).replace({("walnut", "velocity"): np.array([0.8, 0.0, 0.0])})
+    begin = begin.replace({("walnut", "position"): np.array([-0.2, 0.1, 0.32])})
+    way = rolled(begin, 0.4)[-1]["walnut", "position"][0] + 0.2
     # The speed changes at the beginning of each step, so the way is shorter by half a step.
     assert way == pytest.approx(0.8**2 / (2.0 * FRICTION * GRAVITY) - 0.8 / 480, rel=0.005)
 
 
 def test_an_object_beyond_the_edge_falls_like_a_stone_and_lands_in_the_tray() -> None:
-    begin = start(hand=(0.0, 0.1, 0.34), red=(0.46, 0.1, 0.32))
+    begin = start(hand=(0.0, 0.1, 0.34), walnut=(0.46, 0.1, 0.32))
     falling = rolled(begin, 0.3)
     height = 0.32 - 0.04
-    steps = next(i for i, state in enumerate(falling) if state["red", "position"][2] <= 0.04 + 1e-9)
+    steps = next(i for i, state in enumerate(falling) if state["walnut", "position"][2] <= 0.04 + 1e-9)
     assert steps / 240 == pytest.approx(np.sqrt(2.0 * height / GRAVITY), rel=0.03)
-    assert falling[-1]["red", "position"].tolist() == pytest.approx([0.46, 0.1, 0.04])
+    assert falling[-1]["walnut", "position"].tolist() == pytest.approx([0.46, 0.1, 0.04])
 
 
 def test_the_expected_end_of_a_sweep_holds_its_exit_conditions() -> None:
