@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid_tamp.authoring import Binding, FloatArray, State, Token
-from hybrid_tamp.skills import Push, get_token, get_tokens
+from hybrid_tamp.skills import Push, get_tokens
 
 from .geometry import touching, way, working_height
 from .resistance import rolling_resistance
@@ -30,5 +30,5 @@ def _beside(binding: Binding, state: State) -> FloatArray:
     return np.concatenate([centre[..., :2], working_height(state, hand, thing)[..., None]], axis=-1)
 
 
-ROLL = Push(_line, _touching, _beside, lambda binding: rolling_resistance(get_token(binding, "object")))
+ROLL = Push(_line, _touching, _beside, lambda binding: rolling_resistance(*get_tokens(binding, "hand", "object")))
 """The push that rolls an object to a region."""

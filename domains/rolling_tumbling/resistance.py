@@ -34,6 +34,10 @@ _OFF_CENTRE = 0.002
 """Largest distance [m] from the middle of an object at which a hand pushes."""
 
 
+_LEAST_TURNING = 0.05
+"""Smallest part of a push that turns an object in the forward model. ROLLS_STEADILY refuses objects without any."""
+
+
 def _grip(hand: Token, thing: Token) -> tuple[float, float, float]:
     """Return the ratio rho/R, the friction mu and the friction nu of the hand."""
     ratio = thing["rolling_friction"] / thing["radius_of_rotation"]
@@ -76,11 +80,15 @@ def _strength(hand: Token, thing: Token) -> float:
     return float(hand["maximal_force"]) - needed if np.isfinite(needed) else 0.0
 
 
-def rolling_resistance(thing: Token) -> Resistance:
-    """Return the resistance of a solid cylinder that rolls without slip. A sphere slows down a little faster."""
+def rolling_resistance(hand: Token, thing: Token) -> Resistance:
+    """Return the resistance of a solid cylinder that rolls without slip. A sphere slows down a little faster.
+
+    Friction at the hand brakes the rotation, so only a part of the push turns the object (see `_turning`).
+    """
+    share = max(_turning(hand, thing), _LEAST_TURNING)
     force = float(GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"])
     # The inertia is m + I / R^2.
-    return Resistance(force, slowing(thing), 1.5 * thing["mass"], thing["radius_of_rotation"])
+    return Resistance(force / share, slowing(thing), 1.5 * thing["mass"] / share, thing["radius_of_rotation"])
 
 
 def slowing(thing: Token) -> float:
