@@ -23,7 +23,7 @@ from hybrid_tamp.authoring import (
     State,
     Token,
 )
-from hybrid_tamp.skills import STIFFNESS, UP, damping, dot, force_on, get_token
+from hybrid_tamp.skills import STIFFNESS, UP, damping, dot, driven_velocity, force_on, get_token, stop_at_face
 
 from .load import friction, largest_squeeze, load, squeeze_for
 from .places import CREWS, corner_heights, gap_at, outward
@@ -186,7 +186,6 @@ def _pressed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return a hand's velocity ``(..., 3)`` [m/s], limited by its face, and its force ``(...)`` [N] on the face."""
     force, normal = force_on(hand, state, commands), outward(state, thing, place)
-    velocity = state[hand, "velocity"] + force / hand["mass"] * dt
-    gap = np.maximum(gap_at(state, hand, thing, place), 0.0)
-    stopped = velocity + normal * np.maximum(-dot(velocity, normal) - gap / dt, 0.0)[..., None]
+    gap = gap_at(state, hand, thing, place)
+    stopped = stop_at_face(driven_velocity(hand, state, commands, dt), normal, gap, dt)
     return stopped, np.where(gap <= _TOUCH, np.maximum(-dot(force, normal), 0.0), 0.0)

@@ -27,6 +27,7 @@ from hybrid_tamp.authoring import (
 )
 from hybrid_tamp.skills import (
     STIFFNESS,
+    Reference,
     Timetable,
     damping,
     dot,
@@ -104,7 +105,6 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
     pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
     begun = tilt(start, thing, *roles.edge)
     turn = wanted - begun
-    duration = turning_time(turn, rate)
     normals = [normal(start, thing, face) for face in roles.faces]
     gaps = [_gap(start, hand, thing, face) for hand, face in zip(roles.hands, roles.faces, strict=True)]
     hands = [(hand, gap, damping(hand["mass"])) for hand, gap in zip(roles.hands, gaps, strict=True)]
@@ -113,13 +113,7 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
     tipped = len(faces_of(roles.outcome)) > 1
     unit_axis = normalized(axis)
 
-    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        phase = (elapsed - CLOSING) / duration
-        spin = axis * (turn * profile.rate(phase) / duration)[..., None]
-        closed, closing = straight_profile().share(elapsed / CLOSING), straight_profile().rate(elapsed / CLOSING)
-        return closed, closing / CLOSING, phase, turn * profile.share(phase), spin
-
-    timetable = Timetable(reference, start)
+    timetable = Timetable(_make_reference(axis, turn, turning_time(turn, rate), profile), start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         closed, closing, phase, planned, spin = timetable(elapsed)
@@ -140,6 +134,22 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
         return commands
 
     return policy
+
+
+def _make_reference(axis: FloatArray, turn: FloatArray, duration: FloatArray, profile: Profile) -> Reference:
+    """Return the function of the time that gives the planned progress of a turn by an angle ``(...)`` [rad].
+
+    The progress consists of the closed share of the gaps, its rate [1/s], the phase of the turn, the planned angle
+    [rad] and the planned angular velocity ``(..., 3)`` [rad/s].
+    """
+
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
+        phase = (elapsed - CLOSING) / duration
+        spin = axis * (turn * profile.rate(phase) / duration)[..., None]
+        closed, closing = straight_profile().share(elapsed / CLOSING), straight_profile().rate(elapsed / CLOSING)
+        return closed, closing / CLOSING, phase, turn * profile.share(phase), spin
+
+    return reference
 
 
 def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:

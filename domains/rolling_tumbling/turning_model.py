@@ -15,7 +15,7 @@ from hybrid_tamp.authoring import (
     quaternion_from_axis_angle,
     rotate,
 )
-from hybrid_tamp.skills import dot, force_on
+from hybrid_tamp.skills import dot, driven_velocity, force_on, stop_at_face
 
 from .faces import NORMALS
 from .tumbling_geometry import contact_distance, half_extent
@@ -46,7 +46,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
             lever, outward = state[hand, "position"] - pivot, turned[..., index + 4, :]
             gap = dot(lever - arm, outward) - touches_at
             levers.append(lever)
-            free.append(_free_velocity(state, hand, outward, gap, commands, dt))
+            free.append(stop_at_face(driven_velocity(hand, state, commands, dt), outward, gap, dt))
             touching = touching & (gap <= _TOUCH)
             inertia = inertia + hand["mass"] * dot(lever, lever)
             moment = moment + dot(cross(lever, force_on(hand, state, commands)), axis)
@@ -88,15 +88,3 @@ def _body_vectors(roles: Roles) -> FloatArray:
     middle = NORMALS[down] * half_extent(roles.thing, down) + NORMALS[forward] * half_extent(roles.thing, forward)
     axis = cross(NORMALS[forward], NORMALS[down])
     return np.array([middle, axis, NORMALS[forward], NORMALS[down], *(NORMALS[face] for face in roles.faces)])
-
-
-def _free_velocity(
-    state: State, hand: Token, outward: FloatArray, gap: FloatArray, commands: Commands, dt: float
-) -> FloatArray:
-    """Return the velocity ``(..., 3)`` [m/s] of a hand that moves under its own force until its face stops the hand.
-
-    The face has the outward normal ``(..., 3)`` and is at the distance `gap` ``(...)`` [m] from the hand's surface.
-    """
-    velocity = state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt
-    stopped = np.maximum(-dot(velocity, outward) - np.maximum(gap, 0.0) / dt, 0.0)
-    return np.asarray(velocity + outward * stopped[..., None])

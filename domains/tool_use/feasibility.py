@@ -14,6 +14,7 @@ from hybrid_tamp.authoring import (
 from hybrid_tamp.skills import (
     HORIZONTAL,
     POSE,
+    STANDOFF,
     UP,
     Region,
     competence,
@@ -27,7 +28,7 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Pushable, Pusher, Strikable, Striker
-from .geometry import STANDOFF, foot, top, way
+from .geometry import foot, top, way
 from .predicates import HAND, OPEN, TOOL
 from .swing import largest_impulse
 

@@ -22,14 +22,12 @@ from hybrid_tamp.authoring import (
     rotate,
     solids_of,
 )
-from hybrid_tamp.skills import HORIZONTAL, UP, dot, extent, height_below, norm, point, to_body
+from hybrid_tamp.skills import HORIZONTAL, STANDOFF, UP, dot, extent, height_below, norm, point, to_body
 
 LEVEL = -np.pi / 2
 """Swing angle at which a tool strikes [rad]."""
 RAISED = -np.pi
 """Swing angle of a tool that is raised for a strike [rad]."""
-STANDOFF = 0.03
-"""Gap between a tool and an object before a push [m]."""
 CLEARANCE = 0.012
 """Gap between a pushing tool and the floor [m]."""
 BESIDE = 0.09

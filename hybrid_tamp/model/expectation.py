@@ -1,25 +1,18 @@
 """What an instance is expected to do: its duration and its final state, as declared or from a rollout.
 
 A block may declare both. If it does not, the instance is rolled out with its continuous system, with one step per
-control period, until its exit conditions hold.
+control period, until its exit conditions hold or nothing moves any more.
 """
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD, Hyperparameters, Parameters
-from hybrid_tamp.model.forward_model import ForwardModel, exits_hold
+from hybrid_tamp.model.control import CONTROL_PERIOD, Hyperparameters
+from hybrid_tamp.model.forward_model import roll_out
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.shapes import check_shape
 from hybrid_tamp.model.state import State
-
-_STILL = 1e-9
-"""Largest change of a property in a control period at which a state is still, in SI units."""
-_STILL_STEPS = 240
-"""Number of control periods without movement after which a rollout ends, because the exits will not be reached."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +32,9 @@ def expect(block: Block, binding: Binding, state: State, hyperparameters: Hyperp
     seconds, end = _declared_duration(block, binding, state, hyperparameters), declared_end(block, binding, state)
     if seconds is not None:
         return Expectation(seconds, end)
-    rolled = _roll_out(block, binding, state, hyperparameters)
-    return Expectation(rolled.seconds, rolled.end if end is None and block.moves else end)
+    longest = block.duration.maximum
+    states = roll_out(block, binding, state, longest, hyperparameters=hyperparameters, until_still=True)
+    return Expectation((len(states) - 1) * CONTROL_PERIOD, states[-1] if end is None and block.moves else end)
 
 
 def declared_end(block: Block, binding: Binding, state: State) -> State | None:
@@ -66,17 +60,3 @@ def _declared_duration(block: Block, binding: Binding, state: State, hyperparame
         expected = block.duration.expected(binding, state, hyperparameters)
     check_shape(where, binding, expected, ())
     return float(expected)
-
-
-def _roll_out(block: Block, binding: Binding, state: State, hyperparameters: Hyperparameters) -> Expectation:
-    """Simulate a block until its exit conditions hold, nothing has moved for a while, or its longest time is over."""
-    chosen = {name: np.asarray(value) for name, value in hyperparameters.items()}
-    model, elapsed = ForwardModel(block, binding, state, Parameters(chosen)), 0.0
-    steps, still = int(np.ceil(block.duration.maximum / CONTROL_PERIOD)), 0
-    for step in range(steps):
-        elapsed = step * CONTROL_PERIOD
-        if elapsed >= block.duration.minimum and (still >= _STILL_STEPS or exits_hold(block, binding, state)):
-            break
-        before, state = state, model.step(np.float64(elapsed), state)[0]
-        still = still + 1 if np.abs(state.values - before.values).max() < _STILL else 0
-    return Expectation(elapsed, state)

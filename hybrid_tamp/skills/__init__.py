@@ -68,6 +68,7 @@ from hybrid_tamp.skills.servos import DAMPING_RATIO as DAMPING_RATIO
 from hybrid_tamp.skills.servos import ORIENTATION_RATE as ORIENTATION_RATE
 from hybrid_tamp.skills.servos import STIFFNESS as STIFFNESS
 from hybrid_tamp.skills.servos import damping as damping
+from hybrid_tamp.skills.servos import driven_velocity as driven_velocity
 from hybrid_tamp.skills.servos import force_on as force_on
 from hybrid_tamp.skills.servos import hand_servo as hand_servo
 from hybrid_tamp.skills.servos import hand_system as hand_system
@@ -77,6 +78,7 @@ from hybrid_tamp.skills.servos import turning_rate as turning_rate
 from hybrid_tamp.skills.sliding import lies_on as lies_on
 from hybrid_tamp.skills.sliding import make_sliding as make_sliding
 from hybrid_tamp.skills.steering import steer as steer
+from hybrid_tamp.skills.timetable import Reference as Reference
 from hybrid_tamp.skills.timetable import Timetable as Timetable
 from hybrid_tamp.skills.timetable import round_up as round_up
 from hybrid_tamp.skills.vectors import HORIZONTAL as HORIZONTAL
@@ -87,4 +89,5 @@ from hybrid_tamp.skills.vectors import largest_depth as largest_depth
 from hybrid_tamp.skills.vectors import norm as norm
 from hybrid_tamp.skills.vectors import point as point
 from hybrid_tamp.skills.vectors import point_velocity as point_velocity
+from hybrid_tamp.skills.vectors import stop_at_face as stop_at_face
 from hybrid_tamp.skills.vectors import to_body as to_body

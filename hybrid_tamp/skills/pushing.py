@@ -19,7 +19,7 @@ from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import cross, integrate, rotate
 from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.roles import get_token
-from hybrid_tamp.skills.servos import force_on, position_servo
+from hybrid_tamp.skills.servos import driven_velocity, position_servo
 from hybrid_tamp.skills.steering import steer
 from hybrid_tamp.skills.vectors import UP, dot
 
@@ -96,9 +96,10 @@ class Push:
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
             centre = state[thing, "position"]
-            remaining = distance - dot(centre - origin, direction)
-            dropped = (origin - centre)[..., 2] > _DROP
-            remaining = np.where(dropped, 0.0, remaining) if height is not None else remaining
+            remaining, dropped = distance - dot(centre - origin, direction), np.False_
+            if height is not None:
+                dropped = (origin - centre)[..., 2] > _DROP
+                remaining = np.where(dropped, 0.0, remaining)
             wanted = np.minimum(speed, np.sqrt(2 * braked * np.maximum(remaining, 0.0)))
             gap = dot(centre - state[hand, "position"], direction) - self.touching(binding, state, direction)
             closing = np.where(remaining > 0, np.clip(_APPROACH_GAIN * gap, 0.0, _APPROACH_SPEED), 0.0)
@@ -133,10 +134,10 @@ class Push:
             moving = dot(state[thing, "velocity"], forward)
             # An object that was pushed past its goal and rolls back would move against the line.
             direction = np.where((moving < -1e-9)[..., None], -forward, forward)
-            hand_velocity = state[hand, "velocity"] + force_on(hand, state, commands) / mass * dt
+            hand_velocity = driven_velocity(hand, state, commands, dt)
             along = dot(hand_velocity, direction)
-            above, sinking = self._above(binding, state, level), state[thing, "velocity"][..., 2] - GRAVITY * dt
-            falls = above > _TOUCH
+            above = None if level is None else self._above(binding, state, level)
+            falls = np.False_ if above is None else above > _TOUCH
             alone = np.maximum(0.0, np.abs(moving) - np.where(falls, 0.0, resistance.deceleration) * dt)
             gap = dot(state[thing, "position"] - state[hand, "position"], direction)
             gap = gap - self.touching(binding, state, direction)
@@ -145,8 +146,9 @@ class Push:
             alone = np.where(touches, common, alone)
             hand_velocity = hand_velocity + (np.where(touches, common, along) - along)[..., None] * direction
             velocity = alone[..., None] * direction
-            if level is not None:
-                velocity = velocity + np.where(falls, np.maximum(sinking, -above / dt), 0.0)[..., None] * UP
+            if above is not None:
+                sinking = np.maximum(state[thing, "velocity"][..., 2] - GRAVITY * dt, -above / dt)
+                velocity = velocity + np.where(falls, sinking, 0.0)[..., None] * UP
             changes = {
                 (hand.name, "velocity"): hand_velocity,
                 (hand.name, "position"): state[hand, "position"] + hand_velocity * dt,
@@ -161,12 +163,10 @@ class Push:
 
         return system
 
-    def _above(self, binding: Binding, state: State, level: FloatArray | None) -> FloatArray:
-        """Return the height ``(...)`` [m] of an object above the surface below, or 0 for an object on a surface."""
-        height = state[get_token(binding, "object"), "position"][..., 2]
-        if level is None or self.ground is None:
-            return np.zeros_like(height)
-        return np.asarray(height - self.ground(binding, state) - level)
+    def _above(self, binding: Binding, state: State, level: FloatArray) -> FloatArray:
+        """Return the height ``(...)`` [m] of an object above the surface below."""
+        assert self.ground is not None, "only an object that can fall has a level"
+        return np.asarray(state[get_token(binding, "object"), "position"][..., 2] - self.ground(binding, state) - level)
 
 
 _ACROSS = 0.7

@@ -99,10 +99,9 @@ def hand_servo(hand: Token, start: State) -> Servo:
 def hand_system(binding: Binding, start: State) -> ContinuousSystem:
     """Return the system of a hand without contacts, as a gravity-compensated point mass (semi-implicit Euler)."""
     hand = get_token(binding, "hand")
-    mass = hand["mass"]
 
     def system(state: State, commands: Commands, dt: float) -> State:
-        velocity = state[hand, "velocity"] + force_on(hand, state, commands) / mass * dt
+        velocity = driven_velocity(hand, state, commands, dt)
         position = state[hand, "position"] + velocity * dt
         return state.replace({(hand.name, "velocity"): velocity, (hand.name, "position"): position})
 
@@ -113,3 +112,8 @@ def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:
     """Return the commanded force on a hand ``(..., 3)`` [N], or zero if no force is commanded."""
     force = commands.get((hand.name, "force"))
     return np.zeros_like(state[hand, "position"]) if force is None else force
+
+
+def driven_velocity(hand: Token, state: State, commands: Commands, dt: float) -> FloatArray:
+    """Return the velocity ``(..., 3)`` [m/s] of a gravity-compensated hand without contacts after a time step [s]."""
+    return np.asarray(state[hand, "velocity"] + force_on(hand, state, commands) / hand["mass"] * dt)

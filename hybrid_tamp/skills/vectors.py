@@ -53,3 +53,16 @@ def point_velocity(state: State, token: Token, body: FloatArray) -> FloatArray:
     """Return the velocity ``(..., 3)`` [m/s] of a point of the token. The point `body` is in the body frame."""
     arm = rotate(state[token, "orientation"], body)
     return np.asarray(state[token, "velocity"] + cross(state[token, "angular_velocity"], arm))
+
+
+def stop_at_face(velocity: FloatArray, outward: FloatArray, gap: FloatArray, dt: float) -> FloatArray:
+    """Return the velocity ``(..., 3)`` [m/s] of a body, limited so that it does not pass a face within a time step [s].
+
+    Args:
+        velocity: velocity ``(..., 3)`` [m/s] without the face.
+        outward: outward normal ``(..., 3)`` of the face.
+        gap: distance ``(...)`` [m] between the body and the face. A negative gap counts as 0.
+        dt: time step [s].
+    """
+    inward = -dot(velocity, outward) - np.maximum(gap, 0.0) / dt
+    return np.asarray(velocity + outward * np.maximum(inward, 0.0)[..., None])

@@ -73,7 +73,8 @@ def file_of(domain: Domain) -> Path | None:
     """Return the file of a domain that was imported from a single file, or None for an installed domain."""
     for name, module in list(sys.modules.items()):
         found = vars(module).get("DOMAIN") if name.startswith(_IMPORTED) else None
-        if isinstance(found, Domain) and found.name == domain.name:
+        # Two files may define domains of one name, but never the same classes.
+        if isinstance(found, Domain) and (found.name, found.classes) == (domain.name, domain.classes):
             return Path(str(module.__file__))
     return None
 

@@ -4,15 +4,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import BoxPart, Compound
+from hybrid_tamp.geometry.shapes import Compound
 from hybrid_tamp.geometry.surfaces import hulls_of
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
-from hybrid_tamp.skills import StaticEndEffector, Surface
+from hybrid_tamp.skills import Surface
 from hybrid_tamp.taskfile.domains import find_domain
+from random_tasks.bodies import compound_of, small_hand
 
 DOMAIN = find_domain(str(Path(__file__).resolve().parents[2] / "examples" / "drawer" / "domain.py"))
 _WALL = 0.01
@@ -39,7 +40,7 @@ def random_drawer(seed: int) -> Task:
         "opening": float(rng.uniform(0.1, 0.4)) * length,
     }
     tokens = (
-        _hand(),
+        small_hand(0.02, 0.2),
         Token.make("drawer", [DOMAIN.class_by_name["DRAWER"]], properties, shape),
         Token.make("cabinet", [Surface], {"friction": friction}, _cabinet(length, width, depth, below)),
     )
@@ -64,14 +65,9 @@ def open_box(length: float, width: float, depth: float) -> tuple[Compound, float
     for sign in (-1.0, 1.0):
         walls.append(((half, y, inner), (sign * (x - half), 0.0, _WALL + inner)))
         walls.append(((x - _WALL, half, inner), (0.0, sign * (y - half), _WALL + inner)))
-    volumes, firsts = zip(*(hull.integrals[:2] for hull in hulls_of(_compound(walls))), strict=True)
+    volumes, firsts = zip(*(hull.integrals[:2] for hull in hulls_of(compound_of(walls))), strict=True)
     up = float(np.sum(firsts, axis=0)[2] / sum(volumes))
-    return _compound([(halves, (px, py, pz - up)) for halves, (px, py, pz) in walls]), up
-
-
-def _compound(walls: list[tuple[tuple[float, float, float], tuple[float, float, float]]]) -> Compound:
-    parts = tuple(BoxPart(kind="box", half_extents=halves, position=place) for halves, place in walls)
-    return Compound(kind="compound", parts=parts)
+    return compound_of([(halves, (px, py, pz - up)) for halves, (px, py, pz) in walls]), up
 
 
 def _cabinet(length: float, width: float, depth: float, below: float) -> Compound:
@@ -81,16 +77,4 @@ def _cabinet(length: float, width: float, depth: float, below: float) -> Compoun
     side = (depth * 0.8) / 2
     walls = [((x, y, base / 2), (0.0, 0.0, base / 2)), ((_WALL / 2, y, side), (-x + _WALL / 2, 0.0, base + side))]
     walls += [((x, _WALL / 2, side), (0.0, sign * (y - _WALL / 2), base + side)) for sign in (-1.0, 1.0)]
-    return _compound(walls)
-
-
-def _hand() -> Token:
-    properties = {
-        "radius": 0.02,
-        "length": 0.2,
-        "mass": 1.0,
-        "maximal_force": 100.0,
-        "workspace_lower": (-2.0, -2.0, 0.0),
-        "workspace_upper": (2.0, 2.0, 2.0),
-    }
-    return Token.make("hand", [StaticEndEffector], properties)
+    return compound_of(walls)

@@ -4,14 +4,15 @@ from pathlib import Path
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound
+from hybrid_tamp.geometry.shapes import Box
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
-from hybrid_tamp.skills import Container, StaticEndEffector, Surface
+from hybrid_tamp.skills import Container, Surface
 from hybrid_tamp.taskfile.domains import find_domain
+from random_tasks.bodies import compound_of, small_hand
 
 DOMAIN = find_domain(str(Path(__file__).resolve().parents[2] / "examples" / "sweeping" / "domain.py"))
 _WALL = 0.01
@@ -38,7 +39,7 @@ def random_sweeping(seed: int) -> Task:
     crumbs, poses = _crumbs(rng, half, height, axis)
     upright = bool(rng.random() < 0.3)
     hand_yaw = yaw + (np.pi / 2 if axis == 1 else 0.0)
-    tokens = (_hand(), _table(half, height, friction), _tray(tray_halves, rim, friction), *crumbs)
+    tokens = (small_hand(0.03, 0.16), _table(half, height, friction), _tray(tray_halves, rim, friction), *crumbs)
     given = {
         ("hand", "position"): (*_turned(-normal * (half[axis] + 0.15), yaw), height + 0.3),
         ("hand", "orientation"): quaternion_from_rpy(np.array([0.0 if upright else np.pi / 2, 0.0, hand_yaw])),
@@ -59,18 +60,6 @@ def _turned(point: np.ndarray, yaw: float) -> tuple[float, float]:
     return float(x * np.cos(yaw) - y * np.sin(yaw)), float(x * np.sin(yaw) + y * np.cos(yaw))
 
 
-def _hand() -> Token:
-    properties = {
-        "radius": 0.03,
-        "length": 0.16,
-        "mass": 1.0,
-        "maximal_force": 100.0,
-        "workspace_lower": (-2.0, -2.0, 0.0),
-        "workspace_upper": (2.0, 2.0, 2.0),
-    }
-    return Token.make("hand", [StaticEndEffector], properties)
-
-
 def _table(half: np.ndarray, height: float, friction: float) -> Token:
     shape = Box(kind="box", half_extents=(float(half[0]), float(half[1]), height / 2))
     return Token.make("table", [Surface], {"friction": friction}, shape)
@@ -82,8 +71,7 @@ def _tray(half: np.ndarray, rim: float, friction: float) -> Token:
     for sign in (-1.0, 1.0):
         walls.append(((_WALL, y, rim / 2), (sign * (x - _WALL), 0.0, _WALL + rim / 2)))
         walls.append(((x - 2 * _WALL, _WALL, rim / 2), (0.0, sign * (y - _WALL), _WALL + rim / 2)))
-    parts = tuple(BoxPart(kind="box", half_extents=halves, position=place) for halves, place in walls)
-    return Token.make("tray", [Container], {"friction": friction}, Compound(kind="compound", parts=parts))
+    return Token.make("tray", [Container], {"friction": friction}, compound_of(walls))
 
 
 def _crumbs(
