@@ -60,7 +60,7 @@ Pose = tuple[FloatArray, FloatArray, FloatArray]
 """Triple of (position of the hand ``(..., 3)`` [m], yaw of the tool [rad], swing angle of the tool [rad])."""
 Goal = Callable[[Binding, State], Pose]
 
-_UNSEEN = "the block uses only the initial pose of the object, so another hand may move the object meanwhile"
+_UNSEEN = "the block uses only the initial pose of the object, so the block allows other hands to move the object"
 """Reason why the object need not stay at rest."""
 _SETTLING = 0.1
 _TURN = (0.3, 0.4)

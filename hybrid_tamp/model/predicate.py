@@ -69,8 +69,8 @@ class Predicate:
         competence: whether a static predicate describes a limit of the blocks, not of physics. Messages mention this.
         at_start: whether the predicate by definition describes the initial state, so that no block changes its atoms.
         bound: function ``bound(state, radius, *values)`` that returns an upper bound of the margin over all horizontal
-            displacements of the tokens by at most `radius` [m], which can be infinite.
-        confines: function ``confines(state, *values)`` that returns the `Disc` of the first value's centre.
+            displacements of the tokens by at most `radius` [m]. The radius can be infinite.
+        confines: function ``confines(state, *values)`` that returns the `Disc` that must contain the first token.
         distance: function ``distance(state, *values)`` that returns the distance from the desired state [unit], >= 0.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
@@ -212,7 +212,7 @@ class Literal:
         return f"{'' if self.positive else 'not '}{self.predicate.name}({', '.join(self.arguments)})"
 
     def ground(self, binding: Mapping[str, Value]) -> "Atom":
-        """Return the atom in which names of tokens and symbols replace the roles. Symbols and `ANY` do not change."""
+        """Return the atom in which each role is replaced by the name of its token, or by its symbol."""
         names = tuple(name_of(binding.get(argument, argument)) for argument in self.arguments)
         return Atom(self.predicate.name, names, self.positive)
 

@@ -126,7 +126,7 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike, *, unit: bool 
     Args:
         axis: rotation axes of any non-zero length, shape ``(..., 3)``.
         angle: rotation angles [rad], shape ``(...)``.
-        unit: whether the axes have unit length. They are then not normalised, which takes most of the time.
+        unit: whether the axes have unit length. If so, the function skips the normalisation, which is most of the work.
 
     Returns:
         Unit quaternions, with the broadcast shape ``(..., 4)``.

@@ -61,9 +61,8 @@ def domains_beside(folder: Path) -> Callable[[str], Domain]:
             return installed_domain(name)
         found = find_domain(str(file))
         if found.name != name:
-            raise InputError(
-                [Issue("", f"unknown domain; {BESIDE} beside the task has another one", shown(name), (found.name,))]
-            )
+            message = f"unknown domain; {BESIDE} in the folder of the task defines another domain"
+            raise InputError([Issue("", message, shown(name), (found.name,))])
         return found
 
     return find

@@ -198,7 +198,7 @@ def _fault(solid: Hull) -> tuple[str, str] | None:
         pairs, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
         odd = int(np.sum(counts != 2))
         said = (
-            f"{odd} of {len(pairs)} edges that do not join two triangles"
+            f"{odd} of {len(pairs)} edges do not join exactly two triangles"
             if odd
             else "triangles with inconsistent orientations"
         )

@@ -82,16 +82,16 @@ KINDS: Mapping[str, MistakeKind] = {
     ),
     "idle": MistakeKind(
         "The exit conditions of a block that moves tokens held at the start of all rollouts.",
-        "add an exit condition that only the movement makes true, or correct the margin of the condition",
+        "add an exit condition that only the movement makes true, or correct the margins of the exit conditions",
     ),
     "entry": MistakeKind(
-        "The entry conditions and the invariants of a block never held at the same time in the walks, or no block "
-        "establishes an entry condition.",
+        "In the walks, the entry conditions and the invariants of a block never held at the same time, or the block "
+        "has an entry condition that no block establishes.",
         "add a block or a token that makes the condition true, or correct the condition and the sign of its margin",
     ),
     "effect": MistakeKind(
         "An exit condition is an effect that no rollout produces, although other effects of the block occur.",
-        "let the system produce the effect, or remove the condition from 'exit'",
+        "correct the block's system so that the exit condition becomes true, or remove the condition from 'exit'",
     ),
     "undeclared": MistakeKind(
         "An atom became true or false during a block, but no exit condition declares this effect.",

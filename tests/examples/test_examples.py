@@ -114,7 +114,9 @@ def test_the_domain_beside_a_task_has_the_name_in_the_task(tmp_path: Path) -> No
     hybrid_tamp.new(tmp_path)
     text = (tmp_path / "task.yaml").read_text(encoding="utf-8")
     (tmp_path / "task.yaml").write_text(text.replace("domain: sweeping", "domain: brushing"), encoding="utf-8")
-    with pytest.raises(hybrid_tamp.InputError, match=r"domain.py beside the task has another one; got 'brushing'"):
+    with pytest.raises(
+        hybrid_tamp.InputError, match=r"domain.py in the folder of the task defines another domain; got 'brushing'"
+    ):
         hybrid_tamp.load_task(tmp_path / "task.yaml")
 
 

@@ -7,7 +7,8 @@ the atom, then the blocks that could achieve the preconditions of these blocks. 
 - the task has too few tokens for its slots, or
 - its feasibility facts fail for every choice of tokens. The reason then states the margin of the best choice.
 
-If each of these blocks needs an atom that only the same blocks achieve, the reason is this atom (see `unreachable`).
+The blocks may also wait for each other: each block that could achieve an atom needs an atom that only these blocks
+achieve. The reason is then the needed atom (see `unreachable`).
 """
 
 import math
@@ -175,7 +176,7 @@ def _unknown_classes(task: Task) -> tuple[Reason, ...]:
 
 def _hidden(atoms: tuple[Atom, ...]) -> Reason:
     if len(atoms) > 1:
-        message = "no fact rules out a single goal atom, but no plan achieves all goal atoms together"
+        message = "the facts allow each goal atom on its own, but no plan achieves all goal atoms together"
     else:
         message = "no fact rules out the goal, but no plan meets all preconditions of the blocks that achieve the goal"
     return Reason(atoms, "", "together", message)

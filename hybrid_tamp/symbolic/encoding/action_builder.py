@@ -16,7 +16,7 @@ class ActionBuilder:
     """Collects the preconditions and effects of one operator. A role becomes a variable of the same name."""
 
     def __init__(self, vocabulary: Vocabulary, block: Block, same: Same | None = None) -> None:
-        """Start an operator that assigns a token to a block. A role in `same` gets the narrower of the two classes."""
+        """Start an operator that assigns a token to a block. Roles in `same` get the narrower class of both blocks."""
         self.vocabulary = vocabulary
         self.block = block
         self._same = same or {}

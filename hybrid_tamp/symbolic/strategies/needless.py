@@ -4,9 +4,10 @@ Action elimination (Nakhost and Mueller, "Action Elimination and Plan Neighborho
 Improvement", ICAPS 2010) removes one action of a plan, and then every later action that is no longer applicable. If the
 remaining actions achieve the goal, the shorter plan is kept. Each action is tried once, first to last.
 
-One reassignment has several PDDL actions, whose names depend on the blocks before. So this module removes instances
-instead of actions. A later instance stays if the network lets its tokens enter from their current slots, and if its
-entry conditions hold. The remaining instances are encoded again. The law checker judges every shorter plan.
+A single reassignment is encoded as several PDDL actions, and their names depend on the blocks that the tokens leave. So
+this module removes instances instead of actions. A later instance stays if the network lets its tokens enter from their
+current slots, and if its entry conditions hold. The remaining instances are encoded again. The law checker judges every
+shorter plan.
 """
 
 from collections.abc import Sequence
@@ -26,7 +27,7 @@ from hybrid_tamp.symbolic.strategies.search import Candidate, Search
 WITHOUT_NEEDLESS = "needless actions dropped"
 
 MOST_INSTANCES = 20_000
-"""Number of instances in all shortened plans together, after which the elimination ends."""
+"""Limit on the work: the elimination ends when the tried plans contain this many instances in total."""
 
 
 def drop_needless(search: Search, best: Candidate, most_instances: int = MOST_INSTANCES) -> Candidate:
@@ -37,7 +38,8 @@ def drop_needless(search: Search, best: Candidate, most_instances: int = MOST_IN
     Args:
         search: Search for a plan of the whole task.
         best: Lawful plan with its actions.
-        most_instances: Number of instances in all shortened plans together, after which the elimination ends.
+        most_instances: Limit on the work. The elimination ends when the tried plans contain this many instances in
+            total.
 
     Raises:
         LimitReached: If the deadline passes.
@@ -90,7 +92,7 @@ def remove_instance(
 
 
 def encode_again(compilation: Compilation, instances: Sequence[OrderedInstance]) -> list[PlannedAction] | None:
-    """Return the actions for the instances, or None if no actions are a plan with these instances."""
+    """Return actions that carry out the instances, or None if there are no such actions."""
     final = max(instance.begin for instance in instances) + 1
     timed = [each.timed(each.begin, final if each.end is None else each.end, {}, None) for each in instances]
     actions = reencode(compilation, TaskPlan(tuple(timed), float(final)))
@@ -160,7 +162,7 @@ class _Replay:
         return all(literal.ground(roles) in self.facts for literal in block.changing_entry)
 
     def _leave_together(self, instances: list[OrderedInstance]) -> list[OrderedInstance]:
-        """Return the instances that can begin now, because all tokens leave the instances before."""
+        """Return those instances that can begin now. The tokens of each preceding instance must leave together."""
         before = None
         while before != instances:
             before = instances

@@ -48,7 +48,7 @@ class Node:
         token: name of the token.
         pose: maps properties of the token to representative values.
         place: name of the place that contains the token, or None.
-        radius: largest horizontal distance from the representative position [m], which can be infinite.
+        radius: largest horizontal distance from the representative position [m]. The distance can be infinite.
         oriented: whether the orientation is known.
     """
 
@@ -166,7 +166,7 @@ class _Explorer:
         self, block: Block, slot: str, node: Node, targets: Mapping[str, Value], binding: Binding, state: State
     ) -> Node:
         after = declared_end(block, binding, state)
-        assert after is not None, "only an outcome determines an end"
+        assert after is not None, "a block with 'ends' declares its outcome"
         pose = {name: after[self.token, name].copy() for name in node.pose}
         place = next((v.name for v in targets.values() if isinstance(v, Token) and v.place), None)
         if place is None and not node.oriented:
