@@ -6,10 +6,10 @@ REACHING (D5) and RESTING (D6).
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
-from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Region, StaticEndEffector, make_reaching
+from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Graspable, Region, StaticEndEffector, make_reaching
 
 from .carrying import CARRYING
-from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
+from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
 from .feasibility import FEASIBLE
 from .grasping import GRASPING, REACH_HANDLE, RELEASING
 from .metrics import metrics

@@ -3,10 +3,21 @@
 import numpy as np
 
 from hybrid_tamp.authoring import CONTROL_PERIOD, Binding, FloatArray, Hyperparameters, State, Token, cross
-from hybrid_tamp.skills import DAMPING_RATIO, ORIENTATION_RATE, UP, dot, get_tokens, norm
+from hybrid_tamp.skills import (
+    DAMPING_RATIO,
+    ORIENTATION_RATE,
+    UP,
+    dot,
+    get_tokens,
+    hand_in,
+    heading,
+    keep_on,
+    lean,
+    norm,
+    side,
+)
 
-from .geometry import hand_in_tool, heading, side, strike_place, swing_angle, top
-from .holding import keeping
+from .geometry import strike_place, top
 from .swing import Swing, swing_of
 
 WINDING_UP = 0.4
@@ -34,7 +45,7 @@ class Arc:
         target = top(start, thing) + x * self.ahead + y * across
         self.axis = across
         self.elbow = strike_place(start, hand, tool, target) - self.radius[..., None] * self.ahead
-        self.swing: Swing = swing_of(hand, tool, hand_in_tool(start, hand, tool)[..., 0], self.radius)
+        self.swing: Swing = swing_of(hand, tool, hand_in(start, hand, tool)[..., 0], self.radius)
         self.beginning = self.swing.wound_up(hand)
         self.way = self.hand_at(self.beginning) - start[hand, "position"]
         shortest = (WINDING_UP + norm(self.way) / _WINDING_SPEED) / CONTROL_PERIOD
@@ -56,10 +67,10 @@ def on_arc(state: State, hand: Token, tool: Token, arc: Arc, spin: FloatArray, d
 
     `spin` [rad/s] and `driven` [rad/s^2] are the angular speed and angular acceleration of the swing, both ``(...)``.
     """
-    arm = arc.radius[..., None] * along(arc.ahead, swing_angle(state, tool))
+    arm = arc.radius[..., None] * along(arc.ahead, lean(state, tool))
     velocity = spin[..., None] * cross(arc.axis, arm)
     acceleration = driven[..., None] * cross(arc.axis, arm) - (spin**2)[..., None] * arm
-    return keeping(state, hand, arc.elbow + arm, velocity, acceleration)
+    return keep_on(state, hand, arc.elbow + arm, velocity, acceleration)
 
 
 def in_plane(state: State, tool: Token, axis: FloatArray, driven: FloatArray) -> FloatArray:

@@ -15,7 +15,6 @@ from hybrid_tamp.authoring import (
     Binding,
     Block,
     Commands,
-    ContinuousSystem,
     FloatArray,
     Literal,
     Parameters,
@@ -32,17 +31,27 @@ from hybrid_tamp.skills import (
     HORIZONTAL,
     IN_WORKSPACE,
     UP,
+    Graspable,
+    HeldBody,
     Region,
     Timetable,
+    attitude,
     get_token,
     get_tokens,
+    hand_in,
+    held_system,
+    lean,
     norm,
+    pose_held,
     reach_over,
+    side,
+    standing_height,
     straight_profile,
     time_of_reach,
+    yaw,
 )
 
-from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
+from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
 from .feasibility import (
     ABLE_TO_PUSH,
     ABLE_TO_STRIKE,
@@ -52,8 +61,7 @@ from .feasibility import (
     SQUARE_TO,
     STRIKE_WITHIN_REACH,
 )
-from .geometry import RAISED, foot, hand_in_tool, push_pose, side, strike_place, swing_angle, tool_orientation, top, yaw
-from .holding import HeldTool, pose_tool
+from .geometry import RAISED, push_pose, strike_place, top
 from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 
 Pose = tuple[FloatArray, FloatArray, FloatArray]
@@ -75,7 +83,7 @@ def _seen(object_class: type[AffordanceClass]) -> Target:
 def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
     """Return the `Pose` in which a hand with its current grasp brings its tool to a place ``(..., 3)`` [m]."""
     hand, tool = get_tokens(binding, "hand", "tool")
-    arm = rotate(tool_orientation(direction, angle), hand_in_tool(state, hand, tool))
+    arm = rotate(attitude(direction, angle), hand_in(state, hand, tool))
     return place + arm, direction, np.full_like(direction, angle)
 
 
@@ -93,26 +101,26 @@ def _above(binding: Binding, state: State) -> Pose:
 
 def _standing(binding: Binding, state: State) -> Pose:
     tool, region = get_tokens(binding, "tool", "region")
-    place = state[region, "position"] * HORIZONTAL + foot(tool) * UP
+    place = state[region, "position"] * HORIZONTAL + standing_height(tool) * UP
     return _hand_at(binding, state, place, yaw(state, tool), 0.0)
 
 
 def _policy(goal: Goal) -> PolicyMaker:
     def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
         hand, tool = get_tokens(binding, "hand", "tool")
-        held = HeldTool(hand, tool)
+        held = HeldBody(hand, tool)
         place, direction, angle = goal(binding, start)
         duration = np.asarray(parameters.hyperparameters["duration"])
         reach = reach_over(start[hand, "position"].copy(), place, duration)
         profile, turning = straight_profile(), _TURN[1] * duration
-        from_yaw, from_angle = yaw(start, tool), swing_angle(start, tool)
+        from_yaw, from_angle = yaw(start, tool), lean(start, tool)
         yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
         swinging = angle - from_angle
 
         def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
             phase = (elapsed - _TURN[0] * duration) / turning
             done, speed = profile.share(phase), profile.rate(phase) / turning
-            wanted = tool_orientation(from_yaw + done * yawing, from_angle + done * swinging)
+            wanted = attitude(from_yaw + done * yawing, from_angle + done * swinging)
             return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * swinging)[..., None])
 
         timetable = Timetable(reference, start)
@@ -125,16 +133,6 @@ def _policy(goal: Goal) -> PolicyMaker:
         return policy
 
     return make
-
-
-def _system(binding: Binding, start: State) -> ContinuousSystem:
-    held = HeldTool(*get_tokens(binding, "hand", "tool"))
-
-    def system(state: State, commands: Commands, dt: float) -> State:
-        changes = held.placed(state, *held.accelerated(state, commands, dt), dt)
-        return state.replace(held.loosened(changes, state, held.grip_load(state, changes, dt)))
-
-    return system
 
 
 def _carrying(
@@ -153,7 +151,7 @@ def _carrying(
     def outcome(binding: Binding, state: State) -> State:
         hand, tool = get_tokens(binding, "hand", "tool")
         place, direction, angle = goal(binding, state)
-        return state.replace(pose_tool(state, hand, tool, place, tool_orientation(direction, angle)))
+        return state.replace(pose_held(state, hand, tool, place, attitude(direction, angle)))
 
     chosen, duration = time_of_reach(distance, 1.2, _SETTLING)
     return Block(
@@ -172,7 +170,7 @@ def _carrying(
         duration=duration,
         hold=True,
         policy=_policy(goal),
-        system=_system,
+        system=held_system("tool"),
         outcome=outcome,
         description=description,
     )

@@ -2,15 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import (
-    GRAVITY,
-    FloatArray,
-    Parameter,
-    SafetyFactor,
-    State,
-    Token,
-    grip_limits,
-)
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, SafetyFactor, State, Token, grip_limits
 from hybrid_tamp.skills import (
     HORIZONTAL,
     POSE,
@@ -24,11 +16,12 @@ from hybrid_tamp.skills import (
     largest_depth,
     physical_bound,
     point,
+    standing_height,
     to_body,
 )
 
 from .classes import Pushable, Pusher, Strikable, Striker
-from .geometry import foot, top, way
+from .geometry import top, way
 from .predicates import HAND, OPEN, TOOL
 from .swing import largest_impulse
 
@@ -94,7 +87,7 @@ def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region:
     back = (extent(state, thing, ahead) + tool["pushing_point"][2])[..., None]
     start = state[thing, "position"] - ahead * (back + STANDOFF)
     ends = (start * HORIZONTAL, (state[region, "position"] - ahead * back) * HORIZONTAL)
-    return _depth(hand, *(place + UP * (foot(tool) - tool[end][0]) for place in ends for end in _HANDLE))
+    return _depth(hand, *(place + UP * (standing_height(tool) - tool[end][0]) for place in ends for end in _HANDLE))
 
 
 def _reach_of_strike(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
@@ -129,8 +122,8 @@ def _largest_reach_of_push(
 ) -> FloatArray:
     """Return an upper bound of `_reach_of_push` for all directions of the push."""
     back = float(np.linalg.norm(thing["half_extents"])) + tool["pushing_point"][2]
-    places = (state[region, "position"] * HORIZONTAL + UP * (foot(tool) - tool[end][0]) for end in _HANDLE)
-    starts = (state[thing, "position"] * HORIZONTAL + UP * (foot(tool) - tool[end][0]) for end in _HANDLE)
+    places = (state[region, "position"] * HORIZONTAL + UP * (standing_height(tool) - tool[end][0]) for end in _HANDLE)
+    starts = (state[thing, "position"] * HORIZONTAL + UP * (standing_height(tool) - tool[end][0]) for end in _HANDLE)
     ends = [largest_depth(hand, place, back) for place in places]
     ends += [largest_depth(hand, place, radius + back + STANDOFF) for place in starts]
     return np.asarray(np.min(ends, axis=0))

@@ -23,19 +23,23 @@ from hybrid_tamp.skills import (
     AT_REST,
     IN_WORKSPACE,
     MOTION,
+    Graspable,
     ReachGoal,
     Timetable,
+    beside_handle,
     get_token,
     get_tokens,
+    gripping_system,
     hand_servo,
+    handle_length,
+    location_on_handle,
     move_straight,
+    on_handle,
     point,
 )
 
-from .classes import DexterousHand, Graspable
+from .classes import DexterousHand
 from .feasibility import GRASP_FACTS
-from .geometry import beside, handle_length, location, on_handle
-from .holding import gripping_system
 from .predicates import AT_HANDLE, EMPTY, HELD, STANDS
 
 _APPROACH = 0.8
@@ -49,7 +53,7 @@ _LEAVING = 0.8
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
-    return beside(state, *get_tokens(binding, "hand", "tool"))
+    return beside_handle(state, *get_tokens(binding, "hand", "tool"))
 
 
 def _middle(binding: Binding, state: State) -> FloatArray:
@@ -83,7 +87,7 @@ def _grasp(binding: Binding, start: State, parameters: Parameters) -> Policy:
 def _contact(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
     """Return the fraction ``(...)`` of the hand's contact width that touches the handle after the grasp."""
     hand, tool = get_tokens(binding, "hand", "tool")
-    place, half = location(after, hand, tool), hand["contact_width"] / 2
+    place, half = location_on_handle(after, hand, tool), hand["contact_width"] / 2
     touching = np.minimum(place + half, handle_length(tool)) - np.maximum(place - half, 0.0)
     return np.asarray(np.clip(touching / hand["contact_width"], 0.0, 1.0))
 
@@ -99,7 +103,7 @@ def _release(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool = get_tokens(binding, "hand", "tool")
     origin = start[hand, "position"].copy()
     servo = hand_servo(hand, start)
-    timetable = Timetable(move_straight(origin, beside(start, hand, tool) - origin, _LEAVING, _OPENING), start)
+    timetable = Timetable(move_straight(origin, beside_handle(start, hand, tool) - origin, _LEAVING, _OPENING), start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         return servo(state, *timetable(elapsed))
@@ -109,7 +113,7 @@ def _release(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 def _released(binding: Binding, state: State) -> State:
     hand, tool = get_tokens(binding, "hand", "tool")
-    place = beside(state, hand, tool)
+    place = beside_handle(state, hand, tool)
     return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): hand["maximal_aperture"]})
 
 
@@ -149,7 +153,7 @@ GRASPING = Block(
     duration=Duration(_APPROACH, 5.0, _grasp_time),
     hold=True,
     policy=_grasp,
-    system=gripping_system,
+    system=gripping_system("tool"),
     performance=(
         Measure("contact", "1", 1.0, end=_contact, description="fraction of contact_width that touches the handle"),
     ),
@@ -169,7 +173,7 @@ RELEASING = Block(
     allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
     duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, hyperparameters: _OPENING + _LEAVING + 0.05),
     policy=_release,
-    system=gripping_system,
+    system=gripping_system("tool"),
     outcome=_released,
     description="the hand opens and moves away, and the tool remains standing",
 )

@@ -1,43 +1,10 @@
-"""Impacts of a tool on an object: the impulse, and how it knocks the hand and the tool back."""
+"""Impacts of a tool on an object: the impulse that the object receives, and the velocities after the impact."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.authoring import CONTROL_PERIOD, FloatArray, State, Token, cross, grip_limits
-from hybrid_tamp.skills import dot
-
-Mass = tuple[FloatArray, float, FloatArray]
-"""Centre of mass ``(..., 3)`` [m], mass [kg] and moment of inertia ``(...)`` [kg m^2] of a body."""
-Changes = dict[tuple[str, str], FloatArray]
-"""Maps (token, varying property) to new values."""
-
-
-def effective_mass(body: Mass, at: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the effective mass ``(...)`` [kg] of a hand with its tool in an impact at a point along a unit direction.
-
-    An impulse P at distance l from the common centre of mass changes the speed of the point by P (1/M + l^2/I).
-    """
-    centre, mass, inertia = body
-    lever = cross(at - centre, direction)
-    return np.asarray(1.0 / (1.0 / mass + dot(lever, lever) / inertia))
-
-
-def knocked(
-    body: Mass, velocity: FloatArray, spin: FloatArray, place: FloatArray, at: FloatArray, impulse: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the velocity of the hand and the angular velocity of the body after an impact on the tool.
-
-    Args:
-        body: the hand with its tool.
-        velocity: velocity of the hand before the impact ``(..., 3)`` [m/s].
-        spin: angular velocity of the body before the impact ``(..., 3)`` [rad/s].
-        place: position of the hand ``(..., 3)`` [m].
-        at: point of impact ``(..., 3)`` [m].
-        impulse: impulse on the tool ``(..., 3)`` [N s].
-    """
-    centre, mass, inertia = body
-    turned = cross(at - centre, impulse) / inertia[..., None]
-    return velocity + impulse / mass + cross(turned, place - centre), spin + turned
+from hybrid_tamp.skills import Changes, Mass, dot, effective_mass
 
 
 def impulse_within_period(

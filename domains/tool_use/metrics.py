@@ -5,10 +5,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from hybrid_tamp.authoring import BlockInstance, Recording, Task, Token
-from hybrid_tamp.skills import dot, measure_instances, norm, rows_of, run_of
+from hybrid_tamp.skills import dot, hand_in, location_on_handle, measure_instances, norm, rows_of, run_of, side
 
 from .feasibility import resistance
-from .geometry import hand_in_tool, location, side
 from .striking import tip_speed
 from .swing import swing_of
 
@@ -35,13 +34,13 @@ def _tokens(task: Task, instance: BlockInstance) -> tuple[Token, Token]:
 def _grasp(task: Task, recording: Recording, instance: BlockInstance) -> Iterator[tuple[str, float]]:
     hand, tool = _tokens(task, instance)
     grasped = recording.at(instance.end)
-    place = hand_in_tool(grasped, hand, tool)
+    place = hand_in(grasped, hand, tool)
     later = [
-        norm(hand_in_tool(recording.at(other.end), hand, tool) - place)
+        norm(hand_in(recording.at(other.end), hand, tool) - place)
         for other in _later(recording, instance)
         if other.block.startswith(_WITH_TOOL)
     ]
-    yield "grasp_location [m]", float(location(grasped, hand, tool))
+    yield "grasp_location [m]", float(location_on_handle(grasped, hand, tool))
     if later:
         yield "slip [m]", float(max(later))
 
@@ -63,7 +62,7 @@ def _push(task: Task, recording: Recording, instance: BlockInstance) -> Iterator
     if moving.any():
         about = dot(torque, side(run, tool))[moving]
         yield "torque [N m]", float(np.abs(np.mean(about)))
-        lever = tool["pushing_point"][0] - hand_in_tool(recording.at(instance.start), hand, tool)[0]
+        lever = tool["pushing_point"][0] - hand_in(recording.at(instance.start), hand, tool)[0]
         yield "torque_predicted [N m]", float(resistance(thing) * lever)
 
 
@@ -71,7 +70,7 @@ def _strike(task: Task, recording: Recording, instance: BlockInstance) -> Iterat
     hand, tool = _tokens(task, instance)
     run = run_of(recording, instance.start, instance.end)
     if len(run.values):
-        held_at = hand_in_tool(recording.at(instance.start), hand, tool)[0]
+        held_at = hand_in(recording.at(instance.start), hand, tool)[0]
         swing = swing_of(hand, tool, held_at, instance.hyperparameters["swing_radius"])
         yield "tip_speed [m/s]", float(tip_speed(run, tool).max())
         yield "tip_speed_predicted [m/s]", float(swing.tip_speed)

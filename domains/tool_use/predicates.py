@@ -3,10 +3,23 @@
 import numpy as np
 
 from hybrid_tamp.authoring import CAPTURE, FloatArray, Kind, Parameter, Predicate, State, Token
-from hybrid_tamp.skills import POSE, Region, inside, length_predicate, norm
+from hybrid_tamp.skills import (
+    POSE,
+    Graspable,
+    Region,
+    beside_handle,
+    inside,
+    lean,
+    length_predicate,
+    norm,
+    off_handle,
+    side,
+    standing_height,
+    yaw,
+)
 
-from .classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
-from .geometry import LEVEL, RAISED, beside, foot, off_handle, push_pose, side, strike_place, swing_angle, top, yaw
+from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
+from .geometry import LEVEL, RAISED, push_pose, strike_place, top
 
 HAND = Parameter("hand", DexterousHand)
 TOOL = Parameter("tool", Graspable)
@@ -26,7 +39,7 @@ _CLEAR = 0.075
 
 
 def _closeness_to_handle(state: State, hand: Token, tool: Token) -> FloatArray:
-    return np.asarray(_BESIDE_TOLERANCE - norm(state[hand, "position"] - beside(state, hand, tool)))
+    return np.asarray(_BESIDE_TOLERANCE - norm(state[hand, "position"] - beside_handle(state, hand, tool)))
 
 
 def _openness(state: State, hand: Token) -> FloatArray:
@@ -41,9 +54,9 @@ def _grip(state: State, tool: Token, hand: Token) -> FloatArray:
 
 def _standing(state: State, tool: Token) -> FloatArray:
     """Return a margin [m] that is positive if the tool stands upright with its head on the floor."""
-    upright = _TILT_TOLERANCE - np.abs(swing_angle(state, tool))
+    upright = _TILT_TOLERANCE - np.abs(lean(state, tool))
     level = _TILT_TOLERANCE - np.abs(side(state, tool)[..., 2])
-    height = _FOOT_TOLERANCE - np.abs(state[tool, "position"][..., 2] - foot(tool))
+    height = _FOOT_TOLERANCE - np.abs(state[tool, "position"][..., 2] - standing_height(tool))
     return np.asarray(np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height))
 
 
@@ -59,16 +72,16 @@ def _stance(distance: FloatArray, *angles: FloatArray) -> FloatArray:
 def _push_stance(state: State, tool: Token, thing: Token, region: Token) -> FloatArray:
     place, direction = push_pose(state, tool, thing, region)
     off = norm(state[tool, "position"] - place)
-    return _stance(off, swing_angle(state, tool), yaw(state, tool) - direction)
+    return _stance(off, lean(state, tool), yaw(state, tool) - direction)
 
 
 def _strike_stance(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
     off = norm(state[hand, "position"] - strike_place(state, hand, tool, top(state, thing)))
-    return _stance(off, swing_angle(state, tool) - RAISED)
+    return _stance(off, lean(state, tool) - RAISED)
 
 
 def _tilt(state: State, tool: Token) -> FloatArray:
-    return LEVEL - _CLEAR - swing_angle(state, tool)
+    return LEVEL - _CLEAR - lean(state, tool)
 
 
 def _impulse(state: State, thing: Token) -> FloatArray:

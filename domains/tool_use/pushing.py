@@ -33,27 +33,27 @@ from hybrid_tamp.skills import (
     HORIZONTAL,
     IN_WORKSPACE,
     UP,
+    HeldBody,
+    Load,
     Region,
     Timetable,
+    attitude,
     dot,
+    effective_mass,
     extent,
     get_tokens,
+    heading,
+    knocked,
     norm,
     point,
+    side,
     steer,
     straight_profile,
 )
 
 from .classes import DexterousHand, Pushable, Pusher
-from .feasibility import (
-    ABLE_TO_PUSH,
-    PUSH_WITHIN_REACH,
-    SQUARE_TO,
-    resistance,
-)
-from .geometry import heading, side, tool_orientation, way
-from .holding import HeldTool, Load
-from .impact import effective_mass, knocked
+from .feasibility import ABLE_TO_PUSH, PUSH_WITHIN_REACH, SQUARE_TO, resistance
+from .geometry import way
 from .predicates import HELD, IN_PUSH_STANCE, INSIDE, STANDS
 
 _APPROACH = 0.8
@@ -92,11 +92,11 @@ def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArr
 
 def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool, thing, region = _roles(binding)
-    held, head, friction = HeldTool(hand, tool), np.asarray(tool["pushing_point"]), resistance(thing)
+    held, head, friction = HeldBody(hand, tool), np.asarray(tool["pushing_point"]), resistance(thing)
     ahead, _ = way(start, thing, region)
     across = cross(UP, ahead)
     axes = np.stack([ahead, across], axis=-2)
-    upright = tool_orientation(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
+    upright = attitude(np.arctan2(ahead[..., 1], ahead[..., 0]), 0.0)
     face = point(start, tool, head)
     origin, line, gap = start[hand, "position"].copy(), start[thing, "position"].copy(), _gap(start, tool, thing, ahead)
     beside = dot(face - line, across)[..., None]
@@ -128,7 +128,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 def _system(binding: Binding, start: State) -> ContinuousSystem:
     """Return the system in which the hand and the tool are one body. The object slides with friction and no bounce."""
     hand, tool, thing, _ = _roles(binding)
-    held, head = HeldTool(hand, tool), np.asarray(tool["pushing_point"])
+    held, head = HeldBody(hand, tool), np.asarray(tool["pushing_point"])
     friction, own_mass = resistance(thing), thing["mass"]
 
     def system(state: State, commands: Commands, dt: float) -> State:

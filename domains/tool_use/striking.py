@@ -35,23 +35,31 @@ from hybrid_tamp.skills import (
     DAMPING_RATIO,
     IN_WORKSPACE,
     UP,
+    HeldBody,
     Timetable,
+    attitude,
     dot,
+    effective_mass,
     get_tokens,
+    in_body,
+    keep_on,
+    knocked,
+    lean,
     norm,
     point,
     point_velocity,
+    pose_held,
     straight_profile,
     turn_between,
     turning_rate,
+    yaw,
 )
 
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH, STRIKE_WITHIN_REACH
-from .geometry import LEVEL, butt, in_box, strike_place, swing_angle, tool_orientation, top, yaw
-from .holding import HeldTool, keeping, pose_tool
-from .impact import bounced, effective_mass, impulse_within_period, knocked
+from .geometry import LEVEL, butt, strike_place, top
+from .impact import bounced, impulse_within_period
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK, TILTED_UP
 from .swing import LARGEST_RADIUS
 
@@ -76,18 +84,18 @@ def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) 
 
 def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, tool, thing = _roles(binding)
-    held, arc = HeldTool(hand, tool), Arc(binding, start, parameters.hyperparameters)
-    origin, from_angle, direction = start[hand, "position"].copy(), swing_angle(start, tool), yaw(start, tool)
+    held, arc = HeldBody(hand, tool), Arc(binding, start, parameters.hyperparameters)
+    origin, from_angle, direction = start[hand, "position"].copy(), lean(start, tool), yaw(start, tool)
     profile = straight_profile()
     turn = arc.beginning - from_angle
     taken = start[thing, "impulse"][..., 0].copy()
-    over = tool_orientation(direction, LEVEL - _ABOVE)
+    over = attitude(direction, LEVEL - _ABOVE)
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         phase = elapsed / arc.winding
         done, speed = profile.share(phase), profile.rate(phase) / arc.winding
-        wound = tool_orientation(direction, from_angle + done * turn)
+        wound = attitude(direction, from_angle + done * turn)
         rate = (speed * turn)[..., None] * arc.axis
         return origin + done[..., None] * arc.way, speed[..., None] * arc.way, wound, rate
 
@@ -95,14 +103,14 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         position, velocity, wound, rate = timetable(elapsed)
-        before = keeping(state, hand, position, velocity)
+        before = keep_on(state, hand, position, velocity)
         hit = ((state[thing, "impulse"][..., 0] > taken) | (elapsed > arc.latest))[..., None]
         period = arc.period(elapsed)
         swinging = (period >= 0)[..., None]
         spin = dot(state[tool, "angular_velocity"], arc.axis)
         driven = arc.swing.driven(hand, period)
         moving = np.where(swinging, on_arc(state, hand, tool, arc, spin, driven), before)
-        moving = np.where(hit, keeping(state, hand, above, 0.0), moving)
+        moving = np.where(hit, keep_on(state, hand, above, 0.0), moving)
         turning = np.where(swinging, in_plane(state, tool, arc.axis, driven), turning_rate(state, tool, wound, rate))
         turning = np.where(hit, _raising(state, tool, over), turning)
         return held.wrench(state, moving, turning)
@@ -124,7 +132,7 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
     contact also ends the swing.
     """
     hand, tool, thing = _roles(binding)
-    held, striking, back = HeldTool(hand, tool), np.asarray(tool["impact_point"]), butt(tool)
+    held, striking, back = HeldBody(hand, tool), np.asarray(tool["impact_point"]), butt(tool)
     halves = np.asarray(thing["half_extents"])
 
     def system(state: State, commands: Commands, dt: float) -> State:
@@ -132,11 +140,11 @@ def _system(binding: Binding, start: State) -> ContinuousSystem:
         velocity, spin = held.accelerated(state, commands, dt)
         sinking = -(velocity + cross(spin, impact - state[hand, "position"]))[..., 2]
         above = impact - top(state, thing)
-        over = (np.abs(in_box(state, thing, impact))[..., :2] <= halves[:2]).all(axis=-1)
+        over = (np.abs(in_body(state, thing, impact))[..., :2] <= halves[:2]).all(axis=-1)
         hit = over & (above[..., 2] >= -_TOUCH) & (above[..., 2] <= sinking * dt) & (sinking > _TOUCH)
         share = np.where(hit, np.maximum(above[..., 2], 0.0) / np.where(hit, sinking * dt, 1.0), 1.0)
         end = point(state, tool, back)
-        barred = (np.abs(in_box(state, thing, end)) < halves).all(axis=-1) | (end[..., 2] < 0)
+        barred = (np.abs(in_body(state, thing, end)) < halves).all(axis=-1) | (end[..., 2] < 0)
         share = np.where(barred, 0.0, share)[..., None]
         body = held.whole(state)
         changes = held.placed(state, velocity * share, spin * share, dt)
@@ -177,9 +185,9 @@ def _outcome(binding: Binding, state: State) -> State:
     """Return the state with the object struck and the tool raised above the object."""
     hand, tool, thing = _roles(binding)
     place = strike_place(state, hand, tool, top(state, thing))
-    orientation = tool_orientation(yaw(state, tool), LEVEL - _ABOVE)
+    orientation = attitude(yaw(state, tool), LEVEL - _ABOVE)
     return state.replace(
-        {**pose_tool(state, hand, tool, place, orientation), (thing.name, "impulse"): thing["impulse_needed"]}
+        {**pose_held(state, hand, tool, place, orientation), (thing.name, "impulse"): thing["impulse_needed"]}
     )
 
 

@@ -10,7 +10,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
-from hybrid_tamp.skills.vectors import UP, dot, to_body
+from hybrid_tamp.skills.vectors import UP, dot, in_body, to_body
 
 
 def extent(state: State, token: Token, direction: FloatArray) -> FloatArray:
@@ -32,6 +32,11 @@ def _corners(shape: Shape) -> FloatArray:
     return points_of(shape)
 
 
+def reach_along(token: Token, direction: FloatArray) -> float:
+    """Return how far [m] a body extends from its origin in a direction ``(3,)`` of the body frame."""
+    return float((_corners(token.solid) @ direction).max())
+
+
 def height_below(state: State, token: Token) -> FloatArray:
     """Return the height ``(...)`` [m] of a body's origin above the lowest point of the body."""
     return extent(state, token, -UP)
@@ -49,7 +54,7 @@ def ground_below(state: State, position: FloatArray, surfaces: tuple[Token, ...]
     """
     ground = np.zeros(position.shape[:-1])
     for surface in surfaces:
-        local = to_body(state, surface, position - state[surface, "position"])
+        local = in_body(state, surface, position)
         for lower, upper in _boxes(surface.solid):
             over = ((local >= lower) & (local <= upper))[..., :2].all(axis=-1)
             top = state[surface, "position"][..., 2] + upper[2]
@@ -66,7 +71,7 @@ def _boxes(shape: Shape) -> tuple[tuple[FloatArray, FloatArray], ...]:
 def depth_over(state: State, thing: Token, surface: Token) -> FloatArray:
     """Return the horizontal depth ``(...)`` [m] of a body's origin within the outline of a level surface."""
     corners = _corners(surface.solid)[:, :2]
-    local = to_body(state, surface, state[thing, "position"] - state[surface, "position"])[..., :2]
+    local = in_body(state, surface, state[thing, "position"])[..., :2]
     return np.asarray(np.minimum(corners.max(axis=0) - local, local - corners.min(axis=0)).min(axis=-1))
 
 
@@ -88,7 +93,7 @@ def edge_towards(state: State, surface: Token, place: FloatArray) -> tuple[Float
         The outward horizontal normal of the edge ``(..., 3)``, and the distance ``(...)`` [m] from the centre of the
         surface to the edge.
     """
-    offset = to_body(state, surface, place - state[surface, "position"])[..., :2]
+    offset = in_body(state, surface, place)[..., :2]
     halves = np.ptp(_corners(surface.solid), axis=0)[:2] / 2.0
     beyond = np.abs(offset) - halves
     first = beyond[..., 0] >= beyond[..., 1]

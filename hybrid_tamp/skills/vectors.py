@@ -44,9 +44,23 @@ def norm(vector: FloatArray) -> FloatArray:
     return np.sqrt(dot(vector, vector))
 
 
+def unit(vector: FloatArray) -> FloatArray:
+    """Return vectors ``(..., 3)`` of length 1 with the same directions. The result for a zero vector is the x axis."""
+    length = norm(vector)[..., None]
+    # The result must be finite for a zero vector, too. Predicates exclude states with a zero vector.
+    if np.minimum.reduce(length, axis=None, initial=1.0) > 1e-9:
+        return np.asarray(vector / length)
+    return np.where(length > 1e-9, vector / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))
+
+
 def point(state: State, token: Token, body: FloatArray) -> FloatArray:
     """Convert a point ``(..., 3)`` [m] from the token's body frame to the world frame."""
     return state[token, "position"] + rotate(state[token, "orientation"], body)
+
+
+def in_body(state: State, token: Token, place: FloatArray) -> FloatArray:
+    """Convert a position ``(..., 3)`` [m] from the world frame to the token's body frame."""
+    return to_body(state, token, place - state[token, "position"])
 
 
 def point_velocity(state: State, token: Token, body: FloatArray) -> FloatArray:

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hybrid_tamp_domains.tool_use import DOMAIN
-from hybrid_tamp_domains.tool_use.classes import Graspable, Striker
+from hybrid_tamp_domains.tool_use.classes import Striker
 from hybrid_tamp_domains.tool_use.feasibility import ABLE_TO_STRIKE
-from hybrid_tamp_domains.tool_use.geometry import RAISED, on_handle, push_pose, tool_orientation, top
+from hybrid_tamp_domains.tool_use.geometry import RAISED, push_pose, top
 from hybrid_tamp_domains.tool_use.swing import LARGEST_RADIUS, largest_impulse, swing_of
 from random_tasks.hammer import Scene, hammer_shape, hammer_task, random_hammer
 from validation import val_accepts
@@ -24,6 +24,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.skills import Graspable, attitude, on_handle
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
@@ -58,14 +59,14 @@ def held(state: State, place: FloatArray, orientation: FloatArray, grasps: Float
 def ready_to_push(grasps: FloatArray, distance: float) -> State:
     state = TASK.state.replace({("goal", "position"): (0.1 + distance, 0.0, 0.0)})
     place, yaw = push_pose(state, HAMMER, BLOCK, USED["region"])
-    return held(state, place, tool_orientation(yaw, 0.0), grasps)
+    return held(state, place, attitude(yaw, 0.0), grasps)
 
 
 def ready_to_strike(grasps: FloatArray) -> State:
     """Return states with a raised hammer that would hit the middle of the block's top if the hammer were level."""
     lever = HAMMER["impact_point"][0] + grasps
     hand = top(TASK.state, BLOCK) + np.stack([-lever, 0 * grasps, np.full_like(grasps, 0.045)], axis=-1)
-    orientation = tool_orientation(0.0, RAISED)
+    orientation = attitude(0.0, RAISED)
     return held(TASK.state, hand - rotate(orientation, on_handle(HAMMER, grasps)), orientation, grasps)
 
 
@@ -194,7 +195,7 @@ def test_the_torque_of_a_push_is_its_resistance_times_the_lever() -> None:
 
 def test_contact_is_the_share_of_the_hand_that_is_on_the_handle(touched: FloatArray) -> None:
     grasps = np.array([0.0, 0.015, 0.03, 0.1, 0.12, 0.135, 0.15])
-    upright = tool_orientation(0.0, 0.0)
+    upright = attitude(0.0, 0.0)
     start = held(TASK.state, TASK.state[HAMMER, "position"], upright, grasps)
     found = GRASPING.performance[0].end(USED, start, start, {})
     assert np.allclose(found, [0.5, 0.75, 1.0, 1.0, 1.0, 0.75, 0.5])

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hybrid_tamp_domains.tool_use.classes import DexterousHand
-from hybrid_tamp_domains.tool_use.geometry import LEVEL, swing_angle
+from hybrid_tamp_domains.tool_use.geometry import LEVEL
 from random_tasks.hammer import Scene, hammer_task, random_hammer
 
 import hybrid_tamp
@@ -18,7 +18,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
-from hybrid_tamp.skills import run_of
+from hybrid_tamp.skills import lean, run_of
 from hybrid_tamp.taskfile.domains import find_task_file
 from hybrid_tamp.taskfile.loader import load_task
 
@@ -122,7 +122,7 @@ def test_the_recoil_the_impulse_and_the_duration_of_a_strike_are_those_of_the_fo
         end, states = recording.at(strike.end), run_of(recording, strike.start, strike.end)
         durations.append(strike.end - strike.start)
         # The strike ends after the tool has risen, not at the instant at which the impact has stopped the tool.
-        assert swing_angle(end, task.token_by_name["hammer"]) < LEVEL - 0.1
+        assert lean(end, task.token_by_name["hammer"]) < LEVEL - 0.1
         figures.append((end["block", "impulse"][0], np.linalg.norm(states["hand", "velocity"], axis=-1).max()))
     (impulse, recoil), (impulse_predicted, recoil_predicted) = figures
     assert impulse == pytest.approx(impulse_predicted, rel=0.15)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from hybrid_tamp_domains.tool_use import DOMAIN
 from hybrid_tamp_domains.tool_use.classes import DexterousHand, Pushable, Pusher, Strikable, Striker
-from hybrid_tamp_domains.tool_use.geometry import foot
 
 from hybrid_tamp.geometry.shapes import BoxPart, Compound, SpherePart
 from hybrid_tamp.model.predicate import Atom
@@ -14,7 +13,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
-from hybrid_tamp.skills import Region
+from hybrid_tamp.skills import Region, standing_height
 from random_tasks.corners import Corner
 
 HAND = {
@@ -103,7 +102,7 @@ def hammer_task(name: str, scene: Scene, goal: Sequence[str] = ("push", "strike"
         {
             ("hand", "position"): scene.hand,
             ("hand", "orientation"): quaternion_from_rpy((np.pi / 2, 0.0, scene.facing)),
-            ("hammer", "position"): (*scene.rack, foot(hammer)),
+            ("hammer", "position"): (*scene.rack, standing_height(hammer)),
             ("hammer", "orientation"): quaternion_from_rpy((0.0, np.pi / 2, scene.facing)),
             ("block", "position"): (*scene.start, _HALF_EXTENTS[2]),
             ("block", "orientation"): quaternion_from_rpy((0.0, 0.0, heading)),

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from hybrid_tamp_domains.tool_use import DOMAIN
 from hybrid_tamp_domains.tool_use.classes import DexterousHand, Pushable, Pusher, Strikable, Striker
-from hybrid_tamp_domains.tool_use.geometry import foot
 from numpy.typing import ArrayLike
 
 from hybrid_tamp.model.predicate import Atom
@@ -14,7 +13,7 @@ from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
-from hybrid_tamp.skills import Region
+from hybrid_tamp.skills import Region, standing_height
 from random_tasks.hammer import HAMMER, HAND, hammer_shape
 
 KINDS = (
@@ -116,7 +115,7 @@ def hammer_scene(
     given: dict[tuple[str, str], ArrayLike] = {
         ("hand", "position"): (rack[0] + 0.15, rack[1] - 0.15, 0.3),
         ("hand", "orientation"): quaternion_from_rpy((np.pi / 2, 0.0, facing)),
-        ("hammer", "position"): (*rack, foot(hammer)),
+        ("hammer", "position"): (*rack, standing_height(hammer)),
         ("hammer", "orientation"): quaternion_from_rpy((0.0, np.pi / 2, facing)),
         ("rack", "position"): (*rack, 0.0),
     }

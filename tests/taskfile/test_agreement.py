@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
 from hybrid_tamp_domains.rolling_tumbling.classes import Rollable, Tumblable
-from hybrid_tamp_domains.tool_use.classes import DexterousHand, Graspable, Pushable, Pusher, Strikable, Striker
+from hybrid_tamp_domains.tool_use.classes import DexterousHand, Pushable, Pusher, Strikable, Striker
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_tasks.hammer import HAMMER, HAND, hammer_shape
@@ -33,6 +33,7 @@ from hybrid_tamp.model.affordance import AffordanceClass, ObjectClass, Vector3, 
 from hybrid_tamp.model.agreement import find_disagreements, find_shape_fault
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.scene import compute_inertia
+from hybrid_tamp.skills import Graspable
 from hybrid_tamp.taskfile.meshfile import read_mesh
 
 ROOT = Path(__file__).parents[2]
