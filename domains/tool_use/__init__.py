@@ -1,23 +1,22 @@
 """Tool use (paper, Sec. III-B, Figs. 4 to 6): a hand grasps a hammer, and pushes and strikes objects with it.
 
-Modules, in reading order: `classes`, `geometry`, `holding`, `swing`, `predicates`, `feasibility`, `grasping` (GRASPING
-D7 and RELEASING D11), `carrying` (D10), `pushing` (D9), `arc`, `striking` (D8). `hybrid_tamp.skills` provides
-REACHING (D5) and RESTING (D6).
+Modules, in reading order: `classes`, `geometry`, `swing`, `predicates`, `feasibility`, `carrying` (D10), `pushing`
+(D9), `arc`, `striking` (D8). `hybrid_tamp.skills` provides REACHING (D5), RESTING (D6), GRASPING (D7), RELEASING (D11).
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
-from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Graspable, Region, StaticEndEffector, make_reaching
+from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Graspable, Region, StaticEndEffector, make_grasping
 
 from .carrying import CARRYING
 from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
 from .feasibility import FEASIBLE
-from .grasping import GRASPING, REACH_HANDLE, RELEASING
 from .metrics import metrics
-from .predicates import CHANGING
+from .predicates import CHANGING, GRIP, STANDS
 from .pushing import PUSHING
 from .striking import STRIKING
 
-_BLOCKS = (make_reaching(REACH_HANDLE, "handle"), GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
+REACHING, GRASPING, RELEASING = make_grasping(GRIP, STANDS("tool"))
+_BLOCKS = (REACHING, GRASPING, *CARRYING, PUSHING, STRIKING, RELEASING, RESTING)
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),

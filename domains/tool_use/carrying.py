@@ -1,57 +1,28 @@
 """The block CARRYING (paper, D10), in which a hand brings a tool to the place of its next use.
 
 In mode ``push``, the tool ends upright behind the object that it will push. In mode ``strike``, the tool ends raised
-above the object that it will strike. In mode ``down``, the tool ends standing at its initial place. The hand follows
-the demonstrated reach and turns the tool in the high part of the reach.
+above the object that it will strike. In mode ``down``, the tool ends standing at its initial place.
 """
 
-from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
-from hybrid_tamp.authoring import (
-    FLOOR,
-    AffordanceClass,
-    Binding,
-    Block,
-    Commands,
-    FloatArray,
-    Literal,
-    Parameters,
-    Policy,
-    PolicyMaker,
-    Slot,
-    State,
-    Target,
-    rotate,
-)
+from hybrid_tamp.authoring import Binding, Block, Literal, State, Target
 from hybrid_tamp.skills import (
     AT_REST,
-    BODY,
-    HORIZONTAL,
-    IN_WORKSPACE,
-    UP,
+    Goal,
     Graspable,
-    HeldBody,
+    HeldPose,
     Region,
-    Timetable,
-    attitude,
-    get_token,
+    bring_to,
     get_tokens,
-    hand_in,
-    held_system,
-    lean,
-    norm,
-    pose_held,
-    reach_over,
-    side,
-    standing_height,
-    straight_profile,
-    time_of_reach,
+    make_carrying,
+    stand_at,
     yaw,
 )
 
-from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
+from .classes import Pushable, Pusher, Strikable, Striker
 from .feasibility import (
     ABLE_TO_PUSH,
     ABLE_TO_STRIKE,
@@ -62,157 +33,59 @@ from .feasibility import (
     STRIKE_WITHIN_REACH,
 )
 from .geometry import RAISED, push_pose, strike_place, top
-from .predicates import HELD, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
-
-Pose = tuple[FloatArray, FloatArray, FloatArray]
-"""Triple of (position of the hand ``(..., 3)`` [m], yaw of the tool [rad], swing angle of the tool [rad])."""
-Goal = Callable[[Binding, State], Pose]
-
-_UNSEEN = "the block uses only the initial pose of the object, so the block allows other hands to move the object"
-"""Reason why the object need not stay at rest."""
-_SETTLING = 0.1
-_TURN = (0.3, 0.4)
-"""Beginning and duration of the tool's turn, as fractions of the reach's duration."""
+from .predicates import GRIP, IN_PUSH_STANCE, IN_STRIKE_STANCE, STANDS
 
 
-def _seen(object_class: type[AffordanceClass]) -> Target:
-    """Return the target object. Only the object's initial position is used, so the object may move later."""
-    return Target("object", object_class, reads=())
+def _behind(binding: Binding, state: State) -> HeldPose:
+    hand, tool, thing, region = get_tokens(binding, "hand", "tool", "object", "region")
+    return bring_to(state, hand, tool, *push_pose(state, tool, thing, region))
 
 
-def _hand_at(binding: Binding, state: State, place: FloatArray, direction: FloatArray, angle: float) -> Pose:
-    """Return the `Pose` in which a hand with its current grasp brings its tool to a place ``(..., 3)`` [m]."""
-    hand, tool = get_tokens(binding, "hand", "tool")
-    arm = rotate(attitude(direction, angle), hand_in(state, hand, tool))
-    return place + arm, direction, np.full_like(direction, angle)
-
-
-def _behind(binding: Binding, state: State) -> Pose:
-    tool, thing, region = get_tokens(binding, "tool", "object", "region")
-    return _hand_at(binding, state, *push_pose(state, tool, thing, region), 0.0)
-
-
-def _above(binding: Binding, state: State) -> Pose:
+def _above(binding: Binding, state: State) -> HeldPose:
     hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
     place = strike_place(state, hand, tool, top(state, thing))
     direction = yaw(state, tool)
     return place, direction, np.full_like(direction, RAISED)
 
 
-def _standing(binding: Binding, state: State) -> Pose:
-    tool, region = get_tokens(binding, "tool", "region")
-    place = state[region, "position"] * HORIZONTAL + standing_height(tool) * UP
-    return _hand_at(binding, state, place, yaw(state, tool), 0.0)
-
-
-def _policy(goal: Goal) -> PolicyMaker:
-    def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
-        hand, tool = get_tokens(binding, "hand", "tool")
-        held = HeldBody(hand, tool)
-        place, direction, angle = goal(binding, start)
-        duration = np.asarray(parameters.hyperparameters["duration"])
-        reach = reach_over(start[hand, "position"].copy(), place, duration)
-        profile, turning = straight_profile(), _TURN[1] * duration
-        from_yaw, from_angle = yaw(start, tool), lean(start, tool)
-        yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
-        swinging = angle - from_angle
-
-        def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-            phase = (elapsed - _TURN[0] * duration) / turning
-            done, speed = profile.share(phase), profile.rate(phase) / turning
-            wanted = attitude(from_yaw + done * yawing, from_angle + done * swinging)
-            return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * swinging)[..., None])
-
-        timetable = Timetable(reference, start)
-
-        def policy(elapsed: FloatArray, state: State) -> Commands:
-            position, velocity, wanted, yaw_rate, swing_rate = timetable(elapsed)
-            spin = yaw_rate + swing_rate * side(state, tool)
-            return held.servo(state, (position, velocity), (wanted, spin))
-
-        return policy
-
-    return make
-
-
-def _carrying(
-    mode: str,
-    goal: Goal,
-    tool_class: type[Graspable],
-    targets: tuple[Target, ...],
-    entry: tuple[Literal, ...],
-    arrived: tuple[Literal, ...],
-    description: str,
-    ends: Mapping[str, tuple[str, ...]] | None = None,
-) -> Block:
-    def distance(binding: Binding, state: State) -> FloatArray:
-        return norm(goal(binding, state)[0] - state[get_token(binding, "hand"), "position"])
-
-    def outcome(binding: Binding, state: State) -> State:
-        hand, tool = get_tokens(binding, "hand", "tool")
-        place, direction, angle = goal(binding, state)
-        return state.replace(pose_held(state, hand, tool, place, attitude(direction, angle)))
-
-    chosen, duration = time_of_reach(distance, 1.2, _SETTLING)
-    return Block(
-        name=f"CARRYING:{mode}",
-        slots=(Slot("hand", DexterousHand), Slot("tool", tool_class)),
-        anchor="hand",
-        targets=targets,
-        entry=(HELD("tool", "hand"), *entry),
-        exit=(*arrived, HELD("tool", "hand"), AT_REST("hand"), AT_REST("tool")),
-        invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
-        waived={literal: _UNSEEN for literal in entry if literal.predicate is AT_REST},
-        writes={"hand": BODY, "tool": BODY},
-        ends=ends or {},
-        allowed_contacts=(("hand", "tool"), ("tool", FLOOR)),
-        hyperparameters=(chosen,),
-        duration=duration,
-        hold=True,
-        policy=_policy(goal),
-        system=held_system("tool"),
-        outcome=outcome,
-        description=description,
-    )
+def _carry(mode: str, goal: Goal, tool: type[Graspable], arrived: Literal, *facts: Literal, **told: Any) -> Block:
+    """Return a mode of CARRYING that ends the stand of the tool."""
+    told |= {"feasible": facts, "entry": (AT_REST("object"),), "thing": tool}
+    return make_carrying(f"CARRYING:{mode}", GRIP, goal, (arrived, ~STANDS("tool")), **told)
 
 
 CARRYING = (
-    _carrying(
+    _carry(
         "push",
         _behind,
         Pusher,
-        (_seen(Pushable), Target("region", Region)),
-        (
-            ABLE_TO_PUSH("hand", "tool", "object"),
-            SQUARE_TO("object", "region"),
-            PUSH_WITHIN_REACH("hand", "tool", "object", "region"),
-            AT_REST("object"),
-        ),
-        (IN_PUSH_STANCE("tool", "object", "region"), ~STANDS("tool")),
-        "the hand brings the upright tool to a place behind the object that it will push",
+        IN_PUSH_STANCE("tool", "object", "region"),
+        ABLE_TO_PUSH("hand", "tool", "object"),
+        SQUARE_TO("object", "region"),
+        PUSH_WITHIN_REACH("hand", "tool", "object", "region"),
+        # Only the initial position of the object is used, so the object may move later.
+        targets=(Target("object", Pushable, reads=()), Target("region", Region)),
+        description="the hand brings the upright tool to a place behind the object that it will push",
     ),
-    _carrying(
+    _carry(
         "strike",
         _above,
         Striker,
-        (_seen(Strikable),),
-        (
-            ABLE_TO_STRIKE("hand", "tool", "object"),
-            FIRM_ENOUGH("hand", "tool", "object"),
-            STRIKE_WITHIN_REACH("hand", "tool", "object"),
-            AT_REST("object"),
-        ),
-        (IN_STRIKE_STANCE("hand", "tool", "object"), ~STANDS("tool")),
-        "the hand raises the tool above the object that it will strike",
+        IN_STRIKE_STANCE("hand", "tool", "object"),
+        ABLE_TO_STRIKE("hand", "tool", "object"),
+        FIRM_ENOUGH("hand", "tool", "object"),
+        STRIKE_WITHIN_REACH("hand", "tool", "object"),
+        targets=(Target("object", Strikable, reads=()),),
+        description="the hand raises the tool above the object that it will strike",
     ),
-    _carrying(
-        "down",
-        _standing,
-        Graspable,
-        (Target("region", Region),),
-        (HOME("tool", "region"),),
+    make_carrying(
+        "CARRYING:down",
+        GRIP,
+        stand_at("region", "tool"),
         (STANDS("tool"),),
-        "the hand sets the tool down at its initial place",
-        ends={"tool": ("region",)},
+        feasible=(HOME("tool", "region"),),
+        targets=(Target("region", Region),),
+        ends=("region",),
+        description="the hand sets the tool down at its initial place",
     ),
 )

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, SafetyFactor, State, Token, grip_limits
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, State, Token, grip_limits
 from hybrid_tamp.skills import (
+    HANDLE_ENDS,
     HORIZONTAL,
     POSE,
     STANDOFF,
@@ -15,29 +16,17 @@ from hybrid_tamp.skills import (
     extent,
     largest_depth,
     physical_bound,
-    point,
     standing_height,
     to_body,
 )
 
 from .classes import Pushable, Pusher, Strikable, Striker
 from .geometry import top, way
-from .predicates import HAND, OPEN, TOOL
+from .predicates import GRIP, HAND, TOOL
 from .swing import largest_impulse
 
 _FLOOR_FRICTION = 1.0
 _SQUARE_TOLERANCE = np.radians(5.0)
-_HANDLE = ("handle_from", "handle_to")
-
-
-def _lift(hand: Token, tool: Token, factor: float) -> float:
-    weight = factor * GRAVITY * tool["mass"]
-    along = grip_limits(hand, tool, hand["maximal_grip"])[0]
-    return float(min(along, hand["maximal_force"]) - weight)
-
-
-def _width(hand: Token, tool: Token) -> float:
-    return float(OPEN * hand["maximal_aperture"] - tool["handle_width"])
 
 
 def resistance(thing: Token) -> float:
@@ -77,17 +66,13 @@ def _depth(hand: Token, *places: FloatArray) -> FloatArray:
     return np.asarray(np.min([depth_in_workspace(hand, place) for place in places], axis=0))
 
 
-def _reach_of_handle(state: State, hand: Token, tool: Token) -> FloatArray:
-    return _depth(hand, *(point(state, tool, np.asarray(tool[end])) for end in _HANDLE))
-
-
 def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
     """Return the smallest depth [m], over all grasps, of the hand in its workspace at both ends of a push."""
     ahead, _ = way(state, thing, region)
     back = (extent(state, thing, ahead) + tool["pushing_point"][2])[..., None]
     start = state[thing, "position"] - ahead * (back + STANDOFF)
     ends = (start * HORIZONTAL, (state[region, "position"] - ahead * back) * HORIZONTAL)
-    return _depth(hand, *(place + UP * (standing_height(tool) - tool[end][0]) for place in ends for end in _HANDLE))
+    return _depth(hand, *(place + UP * (standing_height(tool) - tool[end][0]) for place in ends for end in HANDLE_ENDS))
 
 
 def _reach_of_strike(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
@@ -98,7 +83,7 @@ def _reach_of_strike(state: State, hand: Token, tool: Token, thing: Token) -> Fl
 def _largest_reach_of_strike(state: State, radius: float, hand: Token, tool: Token, thing: Token) -> FloatArray:
     """Return `_reach_of_strike` for an object that is displaced by at most `radius` [m]."""
     tip_x, _, tip_z = tool["impact_point"]
-    lever = max(abs(tool[end][0] - tip_x) for end in _HANDLE)
+    lever = max(abs(tool[end][0] - tip_x) for end in HANDLE_ENDS)
     above = top(state, thing) + UP * (tool["handle_to"][2] - tip_z)
     return largest_depth(hand, above, radius + lever)
 
@@ -122,38 +107,14 @@ def _largest_reach_of_push(
 ) -> FloatArray:
     """Return an upper bound of `_reach_of_push` for all directions of the push."""
     back = float(np.linalg.norm(thing["half_extents"])) + tool["pushing_point"][2]
-    places = (state[region, "position"] * HORIZONTAL + UP * (standing_height(tool) - tool[end][0]) for end in _HANDLE)
-    starts = (state[thing, "position"] * HORIZONTAL + UP * (standing_height(tool) - tool[end][0]) for end in _HANDLE)
-    ends = [largest_depth(hand, place, back) for place in places]
-    ends += [largest_depth(hand, place, radius + back + STANDOFF) for place in starts]
+    heights = [UP * (standing_height(tool) - tool[end][0]) for end in HANDLE_ENDS]
+    ends = [largest_depth(hand, state[region, "position"] * HORIZONTAL + up, back) for up in heights]
+    ends += [
+        largest_depth(hand, state[thing, "position"] * HORIZONTAL + up, radius + back + STANDOFF) for up in heights
+    ]
     return np.asarray(np.min(ends, axis=0))
 
 
-LIFTABLE = physical_bound(
-    "liftable",
-    (HAND, TOOL),
-    _lift,
-    unit="N",
-    scale=10.0,
-    description="{hand} can grip hard enough to lift {tool}",
-    denial="{hand} cannot grip hard enough to lift {tool}",
-    safety=SafetyFactor(1.5, "ratio of the load that the grip can bear to the weight of the tool; covers acceleration"),
-)
-WIDE_ENOUGH = competence(
-    "wide_enough",
-    (HAND, TOOL),
-    _width,
-    description="{hand} can open wide enough for the handle of {tool}",
-    denial="the handle of {tool} is too wide for {hand}",
-)
-HANDLE_WITHIN_REACH = competence(
-    "handle_within_reach",
-    (HAND, TOOL),
-    _reach_of_handle,
-    reads={"tool": POSE},
-    description="the handle of {tool} is inside the workspace of {hand}",
-    denial="the handle of {tool} is not inside the workspace of {hand}",
-)
 ABLE_TO_PUSH = physical_bound(
     "able_to_push",
     (HAND, Parameter("tool", Pusher), Parameter("object", Pushable)),
@@ -219,9 +180,10 @@ HOME = physical_bound(
     description="{region} is the initial place of {tool}",
     denial="{region} is not the initial place of {tool}",
 )
-GRASP_FACTS = (LIFTABLE, WIDE_ENOUGH, HANDLE_WITHIN_REACH)
 FEASIBLE = (
-    *GRASP_FACTS,
+    GRIP.liftable,
+    GRIP.wide_enough,
+    GRIP.handle_within_reach,
     ABLE_TO_PUSH,
     ABLE_TO_STRIKE,
     FIRM_ENOUGH,

@@ -8,6 +8,11 @@ from hybrid_tamp.skills.assembly import derive_edges as derive_edges
 from hybrid_tamp.skills.assembly import find_classes as find_classes
 from hybrid_tamp.skills.assembly import find_predicates as find_predicates
 from hybrid_tamp.skills.assembly import make_domain as make_domain
+from hybrid_tamp.skills.carrying import Goal as Goal
+from hybrid_tamp.skills.carrying import HeldPose as HeldPose
+from hybrid_tamp.skills.carrying import bring_to as bring_to
+from hybrid_tamp.skills.carrying import make_carrying as make_carrying
+from hybrid_tamp.skills.carrying import stand_at as stand_at
 from hybrid_tamp.skills.classes import Body as Body
 from hybrid_tamp.skills.classes import BoxShaped as BoxShaped
 from hybrid_tamp.skills.classes import Container as Container
@@ -31,8 +36,14 @@ from hybrid_tamp.skills.extents import height_above as height_above
 from hybrid_tamp.skills.extents import height_below as height_below
 from hybrid_tamp.skills.extents import reach_along as reach_along
 from hybrid_tamp.skills.extents import top_of as top_of
+from hybrid_tamp.skills.grasping import make_grasping as make_grasping
 from hybrid_tamp.skills.grippers import Graspable as Graspable
 from hybrid_tamp.skills.grippers import Gripper as Gripper
+from hybrid_tamp.skills.gripping import HANDLE_ENDS as HANDLE_ENDS
+from hybrid_tamp.skills.gripping import Grip as Grip
+from hybrid_tamp.skills.gripping import gripping_system as gripping_system
+from hybrid_tamp.skills.gripping import standing as standing
+from hybrid_tamp.skills.gripping import stands_on as stands_on
 from hybrid_tamp.skills.handles import attitude as attitude
 from hybrid_tamp.skills.handles import beside_handle as beside_handle
 from hybrid_tamp.skills.handles import hand_in as hand_in
@@ -47,7 +58,6 @@ from hybrid_tamp.skills.handles import standing_height as standing_height
 from hybrid_tamp.skills.handles import yaw as yaw
 from hybrid_tamp.skills.holding import HeldBody as HeldBody
 from hybrid_tamp.skills.holding import Load as Load
-from hybrid_tamp.skills.holding import gripping_system as gripping_system
 from hybrid_tamp.skills.holding import held_system as held_system
 from hybrid_tamp.skills.holding import keep_on as keep_on
 from hybrid_tamp.skills.holding import pose_held as pose_held

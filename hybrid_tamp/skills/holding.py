@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.model.control import Commands, ContinuousSystem, SystemMaker
-from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED, grip_limits
+from hybrid_tamp.model.grasp import CAPTURE, grip_limits
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -35,7 +35,7 @@ from hybrid_tamp.motion.poses import (
 from hybrid_tamp.skills.handles import hand_in, off_handle
 from hybrid_tamp.skills.knocks import Changes, Mass
 from hybrid_tamp.skills.roles import get_tokens
-from hybrid_tamp.skills.servos import DAMPING_RATIO, hand_system, turning_rate
+from hybrid_tamp.skills.servos import DAMPING_RATIO, turning_rate
 from hybrid_tamp.skills.vectors import UP, dot
 
 _LIFT = GRAVITY * UP
@@ -225,30 +225,6 @@ def held_system(role: str) -> SystemMaker:
         def system(state: State, commands: Commands, dt: float) -> State:
             changes = held.placed(state, *held.accelerated(state, commands, dt), dt)
             return state.replace(held.loosened(changes, state, held.grip_load(state, changes, dt)))
-
-        return system
-
-    return make
-
-
-def gripping_system(role: str) -> SystemMaker:
-    """Return the maker of the system of a hand that opens or closes its fingers.
-
-    The fingers stop at the handle of the object of a role, if the handle is between the fingers.
-    """
-
-    def make(binding: Binding, start: State) -> ContinuousSystem:
-        hand, thing = get_tokens(binding, "hand", role)
-        arm, width, widest = hand_system(binding, start), thing["handle_width"], hand["maximal_aperture"]
-
-        def system(state: State, commands: Commands, dt: float) -> State:
-            gap = state[hand, "aperture"]
-            closing = commands.get((hand.name, "grip"), np.zeros_like(gap)) > 0
-            between = (off_handle(state, hand, thing) <= CAPTURE)[..., None]
-            narrowest = np.where(between & (gap >= width), width, 0.0)
-            closed = np.maximum(gap - FINGER_SPEED * dt, narrowest)
-            opened = np.minimum(gap + FINGER_SPEED * dt, widest)
-            return arm(state, commands, dt).replace({(hand.name, "aperture"): np.where(closing, closed, opened)})
 
         return system
 

@@ -1,0 +1,179 @@
+"""Maker of the blocks with which a hand takes and releases an object: REACHING, GRASPING (paper, D7), RELEASING (D11).
+
+The hand waits beside the handle, moves to a place on the handle and closes its fingers. The object stands meanwhile.
+"""
+
+import numpy as np
+
+from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
+from hybrid_tamp.model.control import Commands, Hyperparameter, Hyperparameters, Parameters, Policy, PolicyMaker
+from hybrid_tamp.model.grasp import FINGER_SPEED
+from hybrid_tamp.model.measure import Measure
+from hybrid_tamp.model.predicate import Binding, Literal
+from hybrid_tamp.model.state import State
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.gripping import Grip, gripping_system
+from hybrid_tamp.skills.handles import beside_handle, handle_length, location_on_handle, on_handle
+from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
+from hybrid_tamp.skills.primitives import move_straight
+from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
+from hybrid_tamp.skills.roles import MOTION, get_token, get_tokens
+from hybrid_tamp.skills.servos import hand_servo
+from hybrid_tamp.skills.timetable import Timetable
+from hybrid_tamp.skills.vectors import point
+
+_APPROACH = 0.8
+"""Duration of the hand's movement from its waiting position to the grasp location [s]."""
+_CLOSES_AFTER = 0.95
+"""Elapsed time at which the hand, which is then at rest, begins to close [s]."""
+_OPENING = 0.3
+"""Time in which the fingers open before the hand moves away [s]."""
+_LEAVING = 0.8
+"""Duration of the movement away from the handle [s]."""
+
+
+def make_grasping(grip: Grip, stands: Literal, *targets: Target) -> tuple[Block, Block, Block]:
+    """Return the blocks ``REACHING:handle``, GRASPING and RELEASING. Their slots are `hand` and the grip's role.
+
+    The hyperparameter `grasp_location` is the place of the grasp on the handle. The measure `contact` is the fraction
+    of the fingers' pads that touches the handle.
+
+    Args:
+        grip: the facts about the hands and the objects.
+        stands: condition that the object stands. The condition must hold before the grasp and after the release.
+        *targets: roles in `stands`, e.g. the surface on which the object stands.
+    """
+    return (
+        make_reaching(_reach(grip, stands, targets), "handle"),
+        _grasp(grip, stands, targets),
+        _release(grip, stands, targets),
+    )
+
+
+def _reach(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> ReachGoal:
+    still = (grip.empty("hand"), stands, AT_REST(grip.role))
+    return ReachGoal(
+        targets=(Target(grip.role, grip.thing), *targets),
+        position=lambda binding, state: beside_handle(state, *get_tokens(binding, "hand", grip.role)),
+        entry=(*grip.facts, *still),
+        arrived=(grip.at_handle("hand", grip.role),),
+        lasting=still,
+        hand_class=grip.hand,
+        # Only an empty hand can reach, so no hand leaves an object behind.
+        keeps=(grip.held,),
+    )
+
+
+def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
+    role = grip.role
+
+    def seconds(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
+        hand, thing = get_tokens(binding, "hand", role)
+        return float(_CLOSES_AFTER + (hand["maximal_aperture"] - thing["handle_width"]) / FINGER_SPEED + 0.01)
+
+    def grasped(binding: Binding, state: State) -> State:
+        hand, thing = get_tokens(binding, "hand", role)
+        place = point(state, thing, on_handle(thing, handle_length(thing) / 2))
+        return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): thing["handle_width"]})
+
+    return Block(
+        name="GRASPING",
+        slots=(Slot("hand", grip.hand), Slot(role, grip.thing)),
+        anchor="hand",
+        targets=targets,
+        entry=(*grip.facts, grip.at_handle("hand", role), grip.empty("hand"), stands, AT_REST(role)),
+        exit=(grip.held(role, "hand"), ~grip.empty("hand"), AT_REST("hand")),
+        invariants=(IN_WORKSPACE("hand"), stands),
+        waived={AT_REST(role): f"the fingers may shake the {role} when they close"},
+        writes={"hand": (*MOTION, "aperture")},
+        allowed_contacts=(("hand", role), (role, FLOOR)),
+        hyperparameters=(_grasp_location(role),),
+        duration=Duration(_APPROACH, 5.0, seconds),
+        hold=True,
+        policy=_closing(role),
+        system=gripping_system(role),
+        performance=(_contact(role),),
+        outcome=grasped,
+        description="the hand moves to the grasp location and closes on the handle",
+    )
+
+
+def _grasp_location(role: str) -> Hyperparameter:
+    def middle(binding: Binding, state: State) -> FloatArray:
+        return np.asarray(handle_length(get_token(binding, role)) / 2)
+
+    def bounds(binding: Binding) -> tuple[float, float]:
+        return 0.0, handle_length(get_token(binding, role))
+
+    description = "distance of the grasp from handle_to, along the handle"
+    return Hyperparameter("grasp_location", "m", 0.0, 100.0, middle, description, bounds)
+
+
+def _contact(role: str) -> Measure:
+    def share(binding: Binding, before: State, after: State, hyperparameters: Hyperparameters) -> FloatArray:
+        hand, thing = get_tokens(binding, "hand", role)
+        place, half = location_on_handle(after, hand, thing), hand["contact_width"] / 2
+        touching = np.minimum(place + half, handle_length(thing)) - np.maximum(place - half, 0.0)
+        return np.asarray(np.clip(touching / hand["contact_width"], 0.0, 1.0))
+
+    return Measure("contact", "1", 1.0, end=share, description="fraction of contact_width that touches the handle")
+
+
+def _closing(role: str) -> PolicyMaker:
+    def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
+        hand, thing = get_tokens(binding, "hand", role)
+        origin = start[hand, "position"].copy()
+        way = point(start, thing, on_handle(thing, parameters.hyperparameters["grasp_location"])) - origin
+        servo, grip = hand_servo(hand, start), hand["maximal_grip"]
+        timetable = Timetable(move_straight(origin, way, _APPROACH), start)
+
+        def policy(elapsed: FloatArray, state: State) -> Commands:
+            closing = np.where(elapsed > _CLOSES_AFTER, grip, 0.0)
+            gripping = np.broadcast_to(closing[..., None], state[hand, "aperture"].shape)
+            return servo(state, *timetable(elapsed)) | {(hand.name, "grip"): gripping}
+
+        return policy
+
+    return make
+
+
+def _release(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
+    role = grip.role
+
+    def released(binding: Binding, state: State) -> State:
+        hand, thing = get_tokens(binding, "hand", role)
+        place = beside_handle(state, hand, thing)
+        return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): hand["maximal_aperture"]})
+
+    return Block(
+        name="RELEASING",
+        slots=(Slot("hand", grip.hand), Slot(role, grip.thing)),
+        anchor="hand",
+        targets=targets,
+        entry=(grip.held(role, "hand"), stands),
+        # The object must not fall over when the hand opens.
+        exit=(~grip.held(role, "hand"), grip.empty("hand"), stands, AT_REST("hand"), AT_REST(role)),
+        invariants=(IN_WORKSPACE("hand"), stands),
+        writes={"hand": (*MOTION, "aperture")},
+        allowed_contacts=(("hand", role), (role, FLOOR)),
+        duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, values: _OPENING + _LEAVING + 0.05),
+        policy=_opening(role),
+        system=gripping_system(role),
+        outcome=released,
+        description=f"the hand opens and moves away, and the {role} remains standing",
+    )
+
+
+def _opening(role: str) -> PolicyMaker:
+    def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
+        hand, thing = get_tokens(binding, "hand", role)
+        origin = start[hand, "position"].copy()
+        way = beside_handle(start, hand, thing) - origin
+        servo, timetable = hand_servo(hand, start), Timetable(move_straight(origin, way, _LEAVING, _OPENING), start)
+
+        def policy(elapsed: FloatArray, state: State) -> Commands:
+            return servo(state, *timetable(elapsed))
+
+        return policy
+
+    return make

@@ -1,0 +1,211 @@
+"""Facts about a hand that grips objects with a handle. All blocks of a domain with a gripper share these facts."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hybrid_tamp.model.control import Commands, ContinuousSystem, SystemMaker
+from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED, grip_limits
+from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.margins import SafetyFactor
+from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.skills.classes import Surface
+from hybrid_tamp.skills.extents import depth_over, top_of
+from hybrid_tamp.skills.grippers import Graspable, Gripper
+from hybrid_tamp.skills.handles import beside_handle, lean, off_handle, side, standing_height
+from hybrid_tamp.skills.predicates import competence, length_predicate, near, physical_bound
+from hybrid_tamp.skills.roles import POSE, get_tokens
+from hybrid_tamp.skills.servos import hand_system
+from hybrid_tamp.skills.vectors import depth_in_workspace, point
+
+_OPEN = 0.7
+"""Smallest ratio of the gap between an empty hand's fingers to the largest gap."""
+_FINGER_TOLERANCE = 1e-4
+_BESIDE_TOLERANCE = 0.02
+_FOOT_TOLERANCE = 0.005
+_TILT_TOLERANCE = np.radians(5.0)
+HANDLE_ENDS = ("handle_from", "handle_to")
+"""Names of the properties for the ends of a handle."""
+
+
+@dataclass(frozen=True)
+class Grip:
+    """The facts about hands of a class that grip objects of a class. Each attribute is a predicate.
+
+    Attributes:
+        hand: class of the hands.
+        thing: class of the objects.
+        role: role of the object in blocks, and in the messages of the facts. The role of the hand is `hand`.
+    """
+
+    hand: type[Gripper] = Gripper
+    thing: type[Graspable] = Graspable
+    role: str = "object"
+
+    @property
+    def facts(self) -> tuple[Literal, ...]:
+        """The feasibility facts of every grasp."""
+        found = (self.liftable, self.wide_enough, self.handle_within_reach)
+        return tuple(fact("hand", self.role) for fact in found)
+
+    @cached_property
+    def at_handle(self) -> Predicate:
+        """``at_handle`` (hand, object): the hand is beside the handle, ready to grasp it."""
+        return length_predicate(
+            "at_handle",
+            self._both,
+            near(_BESIDE_TOLERANCE, lambda state, hand, thing: beside_handle(state, hand, thing)),
+            reads={"hand": ("position",), self.role: POSE},
+            kind=Kind.MAINTAINED,
+            description=self._say("{hand} is beside the handle of {object}"),
+            denial=self._say("{hand} is not beside the handle of {object}"),
+        )
+
+    @cached_property
+    def empty(self) -> Predicate:
+        """``empty`` (hand): the fingers are open."""
+        return length_predicate(
+            "empty",
+            self._both[:1],
+            lambda state, hand: np.asarray(state[hand, "aperture"][..., 0] - _OPEN * hand["maximal_aperture"]),
+            reads={"hand": ("aperture",)},
+            description="{hand} is open and empty",
+            denial="{hand} is closed or not empty",
+        )
+
+    @cached_property
+    def held(self) -> Predicate:
+        """``held`` (object, hand): the handle is between the fingers, and the fingers touch the handle."""
+        return length_predicate(
+            "held",
+            self._both[::-1],
+            _grip,
+            reads={self.role: POSE, "hand": ("position", "aperture")},
+            kind=Kind.FUNCTIONAL,
+            value_of="hand",
+            description=self._say("{object} is held by {hand}"),
+            denial=self._say("{object} is not held by {hand}"),
+        )
+
+    @cached_property
+    def liftable(self) -> Predicate:
+        """``liftable`` (hand, object): the grip and the hand bear the weight of the object."""
+        return physical_bound(
+            "liftable",
+            self._both,
+            _lift,
+            unit="N",
+            scale=10.0,
+            description=self._say("{hand} can grip hard enough to lift {object}"),
+            denial=self._say("{hand} cannot grip hard enough to lift {object}"),
+            safety=SafetyFactor(
+                1.5,
+                f"ratio of the load that the grip can bear to the weight of the {self.role}; covers acceleration",
+            ),
+        )
+
+    @cached_property
+    def wide_enough(self) -> Predicate:
+        """``wide_enough`` (hand, object): the handle fits between the open fingers."""
+        return competence(
+            "wide_enough",
+            self._both,
+            lambda hand, thing: float(_OPEN * hand["maximal_aperture"] - thing["handle_width"]),
+            description=self._say("{hand} can open wide enough for the handle of {object}"),
+            denial=self._say("the handle of {object} is too wide for {hand}"),
+        )
+
+    @cached_property
+    def handle_within_reach(self) -> Predicate:
+        """``handle_within_reach`` (hand, object): both ends of the handle are in the hand's workspace."""
+        return competence(
+            "handle_within_reach",
+            self._both,
+            _reach_of_handle,
+            reads={self.role: POSE},
+            description=self._say("the handle of {object} is inside the workspace of {hand}"),
+            denial=self._say("the handle of {object} is not inside the workspace of {hand}"),
+        )
+
+    @property
+    def _both(self) -> tuple[Parameter, Parameter]:
+        return Parameter("hand", self.hand), Parameter(self.role, self.thing)
+
+    def _say(self, sentence: str) -> str:
+        return sentence.replace("{object}", "{" + self.role + "}")
+
+
+def stands_on(thing: type[Graspable], role: str = "object") -> Predicate:
+    """Return the predicate `stands_on` (object, surface): an object stands upright on the top of a surface.
+
+    An object stands on at most one surface at a time.
+    """
+
+    def margin(state: State, thing: Token, surface: Token) -> FloatArray:
+        """Return the smallest margin [m] of the attitude, of the height, and of the depth within the outline."""
+        upright = standing(state, thing, top_of(state, surface))
+        return np.asarray(np.minimum(upright, depth_over(state, thing, surface)))
+
+    return length_predicate(
+        "stands_on",
+        (Parameter(role, thing), Parameter("surface", Surface)),
+        margin,
+        reads={role: POSE, "surface": POSE},
+        kind=Kind.FUNCTIONAL,
+        value_of="surface",
+        description=f"{{{role}}} stands on {{surface}}",
+        denial=f"{{{role}}} does not stand on {{surface}}",
+    )
+
+
+def standing(state: State, thing: Token, ground: FloatArray | float = 0.0) -> FloatArray:
+    """Return a margin ``(...)`` [m] that is positive if an object stands upright on a ground of a height [m]."""
+    upright = _TILT_TOLERANCE - np.abs(lean(state, thing))
+    level = _TILT_TOLERANCE - np.abs(side(state, thing)[..., 2])
+    height = _FOOT_TOLERANCE - np.abs(state[thing, "position"][..., 2] - ground - standing_height(thing))
+    return np.asarray(np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height))
+
+
+def gripping_system(role: str) -> SystemMaker:
+    """Return the maker of the system of a hand that opens or closes its fingers.
+
+    The fingers stop at the handle of the object of a role, if the handle is between the fingers.
+    """
+
+    def make(binding: Binding, start: State) -> ContinuousSystem:
+        hand, thing = get_tokens(binding, "hand", role)
+        arm, width, widest = hand_system(binding, start), thing["handle_width"], hand["maximal_aperture"]
+
+        def system(state: State, commands: Commands, dt: float) -> State:
+            gap = state[hand, "aperture"]
+            closing = commands.get((hand.name, "grip"), np.zeros_like(gap)) > 0
+            between = (off_handle(state, hand, thing) <= CAPTURE)[..., None]
+            narrowest = np.where(between & (gap >= width), width, 0.0)
+            closed = np.maximum(gap - FINGER_SPEED * dt, narrowest)
+            opened = np.minimum(gap + FINGER_SPEED * dt, widest)
+            return arm(state, commands, dt).replace({(hand.name, "aperture"): np.where(closing, closed, opened)})
+
+        return system
+
+    return make
+
+
+def _grip(state: State, thing: Token, hand: Token) -> FloatArray:
+    closed = _FINGER_TOLERANCE - np.abs(state[hand, "aperture"][..., 0] - thing["handle_width"])
+    return np.asarray(np.minimum(closed, CAPTURE - off_handle(state, hand, thing)))
+
+
+def _lift(hand: Token, thing: Token, factor: float) -> float:
+    weight = factor * GRAVITY * thing["mass"]
+    along = grip_limits(hand, thing, hand["maximal_grip"])[0]
+    return float(min(along, hand["maximal_force"]) - weight)
+
+
+def _reach_of_handle(state: State, hand: Token, thing: Token) -> FloatArray:
+    ends = [depth_in_workspace(hand, point(state, thing, np.asarray(thing[end]))) for end in HANDLE_ENDS]
+    return np.asarray(np.min(ends, axis=0))
