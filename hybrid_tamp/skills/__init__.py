@@ -65,6 +65,7 @@ from hybrid_tamp.skills.knocks import Changes as Changes
 from hybrid_tamp.skills.knocks import Mass as Mass
 from hybrid_tamp.skills.knocks import effective_mass as effective_mass
 from hybrid_tamp.skills.knocks import knocked as knocked
+from hybrid_tamp.skills.metrics import measure_grasp as measure_grasp
 from hybrid_tamp.skills.metrics import measure_instances as measure_instances
 from hybrid_tamp.skills.metrics import rows_of as rows_of
 from hybrid_tamp.skills.metrics import run_of as run_of
