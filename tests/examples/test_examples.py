@@ -92,7 +92,7 @@ def test_results_print_as_tables(tmp_path: Path) -> None:
     assert outcome.failure.message in str(outcome)
 
 
-@pytest.mark.parametrize("name", ["sweeping", "drawer"])
+@pytest.mark.parametrize("name", ["sweeping", "drawer", "placing"])
 def test_a_domain_of_at_most_80_lines_reaches_its_goal_in_physics(name: str, tmp_path: Path) -> None:
     folder = EXAMPLES / name
     assert len((folder / "domain.py").read_text(encoding="utf-8").splitlines()) <= 80
