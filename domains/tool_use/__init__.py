@@ -5,13 +5,12 @@ Modules, in reading order: `classes`, `geometry`, `swing`, `predicates`, `feasib
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
-from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Graspable, Region, StaticEndEffector, make_grasping
+from hybrid_tamp.skills import RESTING, Graspable, find_classes, find_predicates, make_grasping
 
 from .carrying import CARRYING
-from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
-from .feasibility import FEASIBLE
+from .classes import Pushable, Strikable
 from .metrics import metrics
-from .predicates import CHANGING, GRIP, STANDS
+from .predicates import GRIP, STANDS
 from .pushing import PUSHING
 from .striking import STRIKING
 
@@ -48,9 +47,9 @@ _EDGES = (
 
 DOMAIN = Domain(
     name="tool_use",
-    classes=(StaticEndEffector, DexterousHand, Graspable, Striker, Pusher, Strikable, Pushable, Region),
+    classes=find_classes(_BLOCKS),
     disjoint=((Graspable, Strikable), (Graspable, Pushable)),
-    predicates=(AT_REST, IN_WORKSPACE, *CHANGING, *FEASIBLE),
+    predicates=find_predicates(_BLOCKS),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,

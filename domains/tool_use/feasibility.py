@@ -22,7 +22,7 @@ from hybrid_tamp.skills import (
 
 from .classes import Pushable, Pusher, Strikable, Striker
 from .geometry import top, way
-from .predicates import GRIP, HAND, TOOL
+from .predicates import HAND, TOOL
 from .swing import largest_impulse
 
 _FLOOR_FRICTION = 1.0
@@ -179,16 +179,4 @@ HOME = physical_bound(
     at_start=True,
     description="{region} is the initial place of {tool}",
     denial="{region} is not the initial place of {tool}",
-)
-FEASIBLE = (
-    GRIP.liftable,
-    GRIP.wide_enough,
-    GRIP.handle_within_reach,
-    ABLE_TO_PUSH,
-    ABLE_TO_STRIKE,
-    FIRM_ENOUGH,
-    STRIKE_WITHIN_REACH,
-    SQUARE_TO,
-    PUSH_WITHIN_REACH,
-    HOME,
 )

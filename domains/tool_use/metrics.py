@@ -5,16 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from hybrid_tamp.authoring import BlockInstance, Recording, Task, Token
-from hybrid_tamp.skills import (
-    dot,
-    hand_in,
-    measure_grasp,
-    measure_instances,
-    norm,
-    rows_of,
-    run_of,
-    side,
-)
+from hybrid_tamp.skills import dot, hand_in, measure_grasp, measure_instances, norm, rows_of, run_of, side
 
 from .feasibility import resistance
 from .striking import tip_speed

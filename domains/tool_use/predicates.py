@@ -97,4 +97,3 @@ STRUCK = Predicate(
     description="{object} has been struck hard enough",
     denial="{object} has not been struck hard enough",
 )
-CHANGING = (INSIDE, GRIP.at_handle, GRIP.empty, HELD, STANDS, IN_PUSH_STANCE, IN_STRIKE_STANCE, TILTED_UP, STRUCK)

@@ -59,7 +59,7 @@ class Grip:
         return length_predicate(
             "at_handle",
             self._both,
-            near(_BESIDE_TOLERANCE, lambda state, hand, thing: beside_handle(state, hand, thing)),
+            near(_BESIDE_TOLERANCE, beside_handle),
             reads={"hand": ("position",), self.role: POSE},
             kind=Kind.MAINTAINED,
             description=self._say("{hand} is beside the handle of {object}"),
