@@ -16,40 +16,40 @@
   (:requirements :strips :typing)
   (:types
     token region how-many - object
-    static-end-effector graspable - token
     n-2-virtual-fingered-hand - static-end-effector
+    graspable static-end-effector - token
   )
   (:constants
-    no-region-of-inside - region
     no-hand-of-held - n-2-virtual-fingered-hand
+    no-region-of-inside - region
     none-reading - how-many
   )
   (:predicates
-    (striker ?thing - token)
     (pusher ?thing - token)
-    (strikable ?thing - token)
     (pushable ?thing - token)
-    (at_rest ?token - token)
-    (in_workspace ?hand - static-end-effector)
-    (inside ?object - token ?region - region)
-    (at_handle ?hand - n-2-virtual-fingered-hand ?tool - graspable)
-    (empty ?hand - n-2-virtual-fingered-hand)
-    (held ?tool - graspable ?hand - n-2-virtual-fingered-hand)
-    (stands ?tool - graspable)
-    (in_push_stance ?tool - graspable ?object - token ?region - region)
-    (in_strike_stance ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
-    (tilted_up ?tool - graspable)
-    (struck ?object - token)
+    (striker ?thing - token)
+    (strikable ?thing - token)
     (liftable ?hand - n-2-virtual-fingered-hand ?tool - graspable)
     (wide_enough ?hand - n-2-virtual-fingered-hand ?tool - graspable)
     (handle_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable)
+    (empty ?hand - n-2-virtual-fingered-hand)
+    (stands ?tool - graspable)
+    (at_rest ?token - token)
+    (at_handle ?hand - n-2-virtual-fingered-hand ?tool - graspable)
+    (in_workspace ?hand - static-end-effector)
+    (held ?tool - graspable ?hand - n-2-virtual-fingered-hand)
     (able_to_push ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
+    (square_to ?object - token ?region - region)
+    (push_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token ?region - region)
+    (in_push_stance ?tool - graspable ?object - token ?region - region)
     (able_to_strike ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (firm_enough ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (strike_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
-    (square_to ?object - token ?region - region)
-    (push_within_reach ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token ?region - region)
+    (in_strike_stance ?hand - n-2-virtual-fingered-hand ?tool - graspable ?object - token)
     (home ?tool - graspable ?region - region)
+    (inside ?object - token ?region - region)
+    (struck ?object - token)
+    (tilted_up ?tool - graspable)
     (idle)
     (settled ?token - token)
     (unclaimed ?token - token)
