@@ -18,11 +18,10 @@ from hybrid_tamp.skills import (
     make_reaching,
 )
 
-from .bearing import places_of
 from .classes import Liftable
 from .lifting import BEARING, MODES
 from .metrics import CONTROLLED, metrics
-from .places import PLACE, place_at
+from .places import PLACE, place_at, places_of
 from .predicates import AT_PLACE, FITS, ON_SIDE, OUTSIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
 
 

@@ -6,45 +6,31 @@ LIFTING and LOWERING end by themselves. In HOLDING, the hands keep the box in th
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from hybrid_tamp.authoring import (
     DMP,
-    FLOOR,
     Binding,
     Block,
     Duration,
     FloatArray,
     Hyperparameter,
-    Hyperparameters,
     Literal,
     Movement,
     Parameters,
     Policy,
+    Predicate,
     Profile,
-    Slot,
     State,
 )
-from hybrid_tamp.skills import (
-    AT_REST,
-    BODY,
-    IN_WORKSPACE,
-    MOTION,
-    REST_SPEED,
-    UP,
-    StaticEndEffector,
-    profile_of,
-    round_up,
-    straight_profile,
-)
+from hybrid_tamp.skills import STANDBY_GAP, advance, gaps_to_faces, make_pressing, profile_of, straight_profile
 
-from .bearing import Course, Roles, bearing, bearing_system, places_of, squeezing
+from .bearing import bear, bearing_system, squeezing
 from .classes import Liftable
-from .heights import rising, usual_height
-from .places import FLOOR_TOLERANCE, STANDBY_GAP, corner_heights, gap_at, place_at
+from .places import FLOOR_TOLERANCE, Roles, height, places_of
 from .predicates import (
     AT_PLACE,
     BEARS,
@@ -53,13 +39,14 @@ from .predicates import (
     FITS,
     GRIPPABLE,
     HEAVY_ENOUGH,
+    LOWEST_LIFT,
     ON_SIDE,
     OUTSIDE,
     RAISED,
-    RAISED_HEIGHT,
     STANDS,
     UPRIGHT,
     WITHIN_REACH,
+    room_above,
 )
 
 MODES = {"two": "two hands", "four": "four hands"}
@@ -68,87 +55,50 @@ _CLOSING = 0.3
 """Time in which hands close on a box or move away from a box [s]."""
 GRASPED = 0.5
 """Time from the start of LIFTING until the hands squeeze the box fully and bear its weight [s]."""
-_HELD = 1.0
-"""Minimum duration of HOLDING [s]."""
+_USUAL, _HIGHEST = 0.15, 0.3
+"""Height of a lift by default, and its largest height [m]."""
 _SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean vertical speed")
 
 
-def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
+def usual_height(crew: str, binding: Binding, state: State) -> FloatArray:
+    """Return the default height ``(...)`` [m] of a lift, or a lower height if a hand would leave its workspace."""
     roles = Roles.of(crew, binding)
-    chosen = parameters.hyperparameters
-    speed, height, squeeze = (np.asarray(chosen[name]) for name in ("speed", "height", "squeeze"))
-    duration = height / speed
+    room = np.min([room_above(state, hand, roles.thing, place) for hand, place in roles.hands], axis=0)
+    return np.asarray(np.clip(room, LOWEST_LIFT, _USUAL))
 
-    def course(elapsed: FloatArray) -> Course:
-        closing, rising = elapsed / _CLOSING, (elapsed - GRASPED) / duration
-        closed, rate = straight_profile().share(closing), straight_profile().rate(closing) / _CLOSING
-        grip = straight_profile().share(elapsed / GRASPED)
+
+def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
+    roles, straight = Roles.of(crew, binding), straight_profile()
+    speed, rise = (np.asarray(parameters.hyperparameters[name]) for name in ("speed", "height"))
+
+    def course(elapsed: FloatArray) -> tuple[FloatArray, ...]:
+        grip = straight.share(elapsed / GRASPED)
         # Before contact, a hand that compensated its share of the weight would rise.
-        loaded = straight_profile().share((elapsed - _CLOSING) / (GRASPED - _CLOSING))
-        rise, climb = height * profile.share(rising), height * profile.rate(rising) / duration
-        return Course(closed, rate, grip, loaded, rise, climb)
+        loaded = straight.share((elapsed - _CLOSING) / (GRASPED - _CLOSING))
+        closed = advance(straight, elapsed, _CLOSING)
+        return *closed, grip, loaded, *advance(profile, elapsed - GRASPED, rise / speed, rise)
 
-    gaps = tuple(gap_at(start, hand, roles.thing, place) for hand, place in roles.hands)
-    return bearing(roles, start, squeeze, gaps, course)
+    return bear(roles, start, parameters, gaps_to_faces(roles.contacts, roles.thing, start), course)
 
 
 def _hold(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    roles = Roles.of(crew, binding)
-    still, whole = np.asarray(0.0), np.asarray(1.0)
-    gaps = (still,) * len(roles.hands)
-    squeeze = np.asarray(parameters.hyperparameters["squeeze"])
-    return bearing(roles, start, squeeze, gaps, lambda elapsed: Course(still, still, whole, whole, still, still))
+    roles, still, whole = Roles.of(crew, binding), np.asarray(0.0), np.asarray(1.0)
+    steady = (still, still, whole, whole, still, still)
+    return bear(roles, start, parameters, (still,) * len(roles.hands), lambda elapsed: steady)
 
 
 def _lower(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
     roles = Roles.of(crew, binding)
-    speed, squeeze = (np.asarray(parameters.hyperparameters[name]) for name in ("speed", "squeeze"))
-    drop = corner_heights(start, roles.thing).min(axis=-1)
-    duration = _falling(drop, speed)
+    drop = height(start, roles.thing)
+    duration = np.maximum(drop, FLOOR_TOLERANCE) / np.asarray(parameters.hyperparameters["speed"])
 
-    def course(elapsed: FloatArray) -> Course:
-        sinking, opening = elapsed / duration, (elapsed - duration) / _CLOSING
-        opened, rate = straight_profile().share(opening), straight_profile().rate(opening) / _CLOSING
+    def course(elapsed: FloatArray) -> tuple[FloatArray, ...]:
+        opened, opening = advance(straight_profile(), elapsed - duration, _CLOSING)
         grip = 1.0 - opened
-        rise, climb = -drop * profile.share(sinking), -drop * profile.rate(sinking) / duration
-        return Course(opened, rate, grip, grip, rise, climb)
+        return opened, opening, grip, grip, *advance(profile, elapsed, duration, -drop)
 
     # The hands move away from their faces to their standby positions.
-    gaps = (np.asarray(-STANDBY_GAP),) * len(roles.hands)
-    return bearing(roles, start, squeeze, gaps, course)
-
-
-def _falling(drop: FloatArray, speed: FloatArray) -> FloatArray:
-    return np.asarray(np.maximum(drop, FLOOR_TOLERANCE) / speed)
-
-
-def _lifted(crew: str, profile: Profile, binding: Binding, state: State, chosen: Hyperparameters) -> float:
-    height, speed = float(chosen["height"]), float(chosen["speed"])
-    arrival = float(profile.arrival(height, height / speed, height - RAISED_HEIGHT, REST_SPEED))
-    return round_up(GRASPED + arrival)
-
-
-def _lowered(crew: str, binding: Binding, state: State, chosen: Hyperparameters) -> float:
-    drop = corner_heights(state, Roles.of(crew, binding).thing).min(axis=-1)
-    return round_up(float(_falling(drop, np.asarray(chosen["speed"]))) + _CLOSING)
-
-
-def _up(crew: str, binding: Binding, state: State) -> State:
-    """Return the state with the box lifted and the hands at its faces."""
-    return _at(Roles.of(crew, binding), state, usual_height(crew, binding, state)[..., None] * UP, 0.0)
-
-
-def _down(crew: str, binding: Binding, state: State) -> State:
-    """Return the state with the box on the floor and the hands in their standby positions beside the box."""
-    roles = Roles.of(crew, binding)
-    return _at(roles, state, -UP * corner_heights(state, roles.thing).min(axis=-1)[..., None], STANDBY_GAP)
-
-
-def _at(roles: Roles, state: State, way: FloatArray, gap: float) -> State:
-    after = state.replace({(roles.thing.name, "position"): state[roles.thing, "position"] + way})
-    return after.replace(
-        {(hand.name, "position"): place_at(after, hand, roles.thing, place, gap) for hand, place in roles.hands}
-    )
+    return bear(roles, start, parameters, (np.asarray(-STANDBY_GAP),) * len(roles.hands), course)
 
 
 def _able(crew: str) -> tuple[Literal, ...]:
@@ -171,40 +121,47 @@ def _at_places(crew: str) -> tuple[Literal, ...]:
     return tuple(AT_PLACE(slot, "object", place) for slot, place in places_of(crew))
 
 
-def _together(action: str, mode: str, duration: Duration, policy: Callable[..., Policy], profile: Profile) -> Block:
-    """Return a block with the parts that LIFTING, HOLDING and LOWERING share, e.g. the conditions on the hands."""
+def _together(
+    action: str,
+    mode: str,
+    before: Literal,
+    policy: Callable[..., Policy],
+    profile: Profile,
+    hyperparameters: tuple[Hyperparameter, ...] = (),
+    keeps: tuple[Predicate, ...] = (),
+    **told: Any,
+) -> Block:
+    """Return a block with the parts that LIFTING, HOLDING and LOWERING share. The entry condition `before` differs."""
     crew = MODES[mode]
-    slots = [slot for slot, _ in places_of(crew)]
-    return Block(
-        name=f"{action}:{mode}",
-        slots=(*(Slot(slot, StaticEndEffector) for slot in slots), Slot("object", Liftable)),
-        anchor="object",
-        entry=(*_at_places(crew), *_able(crew)),
-        exit=(AT_REST("object"), *(AT_REST(slot) for slot in slots)),
-        invariants=tuple(map(IN_WORKSPACE, slots)),
-        writes={**{slot: MOTION for slot in slots}, "object": BODY},
+    return make_pressing(
+        f"{action}:{mode}",
+        [slot for slot, _ in places_of(crew)],
+        Liftable,
+        entry=(before, *_at_places(crew), *_able(crew)),
         # A box moves straight up and down, so its feasibility facts do not change.
-        keeps=(*FEASIBLE, OUTSIDE),
-        allowed_contacts=(*((slot, "object") for slot in slots), ("object", FLOOR)),
-        hyperparameters=(squeezing(crew),),
-        duration=duration,
+        keeps=(*FEASIBLE, OUTSIDE, *keeps),
+        hyperparameters=(squeezing(crew), *hyperparameters),
         policy=partial(policy, crew, profile),
         system=partial(bearing_system, crew),
+        **told,
     )
 
 
 def lifting(mode: str, primitive: DMP | None = None) -> Block:
     """Return one mode of LIFTING. The primitive, by default `straight_movement`, generates the rise of the box."""
-    profile, crew = profile_of(primitive), MODES[mode]
-    block = _together("LIFTING", mode, Duration(GRASPED, 12.0, partial(_lifted, crew, profile)), _lift, profile)
-    return replace(
-        block,
-        entry=(STANDS("object"), *block.entry),
-        exit=(RAISED("object"), ~STANDS("object"), *_at_places(crew), *block.exit),
-        hyperparameters=(*block.hyperparameters, rising(crew), _SPEED),
+    crew = MODES[mode]
+    usual, what = partial(usual_height, crew), "height to which the box is lifted"
+    return _together(
+        "LIFTING",
+        mode,
+        STANDS("object"),
+        _lift,
+        profile_of(primitive),
+        hyperparameters=(Hyperparameter("height", "m", LOWEST_LIFT, _HIGHEST, usual, what), _SPEED),
+        exit=(RAISED("object"), ~STANDS("object"), *_at_places(crew)),
+        duration=Duration(GRASPED, 12.0),
         taught=partial(lifting, mode),
         movement=Movement("object", "position", 1),
-        outcome=partial(_up, crew),
         description=f"{crew} close on a box, squeeze the box from opposite sides and lift it by friction",
     )
 
@@ -212,34 +169,37 @@ def lifting(mode: str, primitive: DMP | None = None) -> Block:
 def holding(mode: str) -> Block:
     """Return one mode of HOLDING."""
     crew = MODES[mode]
-    block = _together(
-        "HOLDING", mode, Duration(_HELD, 60.0, lambda binding, state, chosen: _HELD), _hold, straight_profile()
-    )
-    return replace(
-        block,
-        entry=(RAISED("object"), *block.entry),
-        exit=(RAISED("object"), *_at_places(crew), *block.exit),
-        keeps=(*block.keeps, STANDS),
+    return _together(
+        "HOLDING",
+        mode,
+        RAISED("object"),
+        _hold,
+        straight_profile(),
+        keeps=(STANDS,),
+        exit=(RAISED("object"), *_at_places(crew)),
+        invariants=(RAISED("object"),),
+        contacts=(),
+        duration=Duration(1.0, 60.0),
         hold=True,
-        invariants=(*block.invariants, RAISED("object")),
-        allowed_contacts=tuple((slot, "object") for slot, _ in places_of(crew)),
         description=f"{crew} keep a box in the air",
     )
 
 
 def lowering(mode: str, primitive: DMP | None = None) -> Block:
     """Return one mode of LOWERING. The primitive, by default `straight_movement`, generates the descent of the box."""
-    profile, crew = profile_of(primitive), MODES[mode]
-    block = _together("LOWERING", mode, Duration(_CLOSING, 15.0, partial(_lowered, crew)), _lower, profile)
+    crew = MODES[mode]
     clear = (CLEAR_OF(slot, "object") for slot, _ in places_of(crew))
-    return replace(
-        block,
-        entry=(RAISED("object"), *block.entry),
-        exit=(STANDS("object"), ~RAISED("object"), *clear, *block.exit),
-        hyperparameters=(*block.hyperparameters, _SPEED),
+    return _together(
+        "LOWERING",
+        mode,
+        RAISED("object"),
+        _lower,
+        profile_of(primitive),
+        hyperparameters=(_SPEED,),
+        exit=(STANDS("object"), ~RAISED("object"), *clear),
+        duration=Duration(_CLOSING, 15.0),
         taught=partial(lowering, mode),
         movement=Movement("object", "position", 1),
-        outcome=partial(_down, crew),
         description=f"{crew} set a box down and release the box",
     )
 

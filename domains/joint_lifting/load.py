@@ -9,15 +9,12 @@ safety factor k is RESERVE by default. The physical bound has k = 1.
 import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, Token
+from hybrid_tamp.skills import HAND_FRICTION
 
 from .places import CREWS
 
-HAND_FRICTION = 0.5
-"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
 RESERVE = 1.5
 """Ratio of the squeeze to the smallest squeeze without slip. The reserve covers acceleration and unequal shares."""
-
-
 SMALLEST_SQUEEZE = 1.0
 """Smallest squeeze of strong hands [N]. With a smaller squeeze, the errors of the hands would let a light box slip."""
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token, rotate
-from hybrid_tamp.skills import UP, measure_instances, run_of
+from hybrid_tamp.authoring import BlockInstance, Recording, State, Task, Token
+from hybrid_tamp.skills import in_body, measure_instances, run_of, z_axis
 
 from .lifting import GRASPED
-from .places import corner_heights, offset_in_box
+from .places import height
 
 CONTROLLED: Mapping[str, tuple[float, float]] = {
     "height [m]": (0.1, 0.3),
@@ -35,8 +35,8 @@ def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tup
     run = run_of(recording, lift.start + GRASPED, hold.end)
     if not len(run.values):
         return
-    upright = rotate(run[thing, "orientation"], UP)[..., 2]
-    yield "height [m]", float(corner_heights(run, thing)[-1].min())
+    upright = z_axis(run, thing)[..., 2]
+    yield "height [m]", float(height(run, thing)[-1])
     yield "tilt [deg]", float(np.degrees(np.arccos(np.clip(upright, -1.0, 1.0))).max())
     yield "slip [m]", max(_slip(run, hand, thing) for hand in hands)
     names = {hand.name for hand in hands}
@@ -51,5 +51,5 @@ def _lift(task: Task, recording: Recording, lift: BlockInstance) -> Iterator[tup
 
 def _slip(run: State, hand: Token, thing: Token) -> float:
     """Return the largest displacement [m] of a hand along its face since the hand began to bear the box."""
-    along = offset_in_box(run, hand, thing)[..., 1:]
+    along = in_body(run, thing, run[hand, "position"])[..., 1:]
     return float(np.linalg.norm(along - along[0], axis=-1).max())

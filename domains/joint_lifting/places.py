@@ -7,22 +7,23 @@ the box, so the box hangs stably. Vectors are in the world frame unless a name s
 first.
 """
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, State, SymbolSort, Token, rotate
-from hybrid_tamp.skills import to_body
+from hybrid_tamp.authoring import Binding, FloatArray, State, SymbolSort, Token, rotate
+from hybrid_tamp.skills import NORMALS, STANDBY_GAP, get_token, point
 
-SPOTS: dict[str, tuple[float, float]] = {
-    "left": (-1.0, 0.0),
-    "right": (1.0, 0.0),
-    "left front": (-1.0, -0.5),
-    "left back": (-1.0, 0.5),
-    "right front": (1.0, -0.5),
-    "right back": (1.0, 0.5),
+SPOTS: dict[str, tuple[str, float]] = {
+    "left": ("left", 0.0),
+    "right": ("right", 0.0),
+    "left front": ("left", -0.5),
+    "left back": ("left", 0.5),
+    "right front": ("right", -0.5),
+    "right back": ("right", 0.5),
 }
-"""Maps each place to a pair of (sign of its side along x, position along y as a fraction of the half extent)."""
+"""Maps each place to a pair of (face, position along y as a fraction of the half extent)."""
 PLACE = SymbolSort("place", tuple(SPOTS), "place of a hand: side -x or +x of a box, in the middle or towards -y or +y")
 
 CREWS: dict[str, tuple[str, ...]] = {
@@ -31,37 +32,52 @@ CREWS: dict[str, tuple[str, ...]] = {
 }
 """Maps each crew to the places of its hands."""
 CREW = SymbolSort("crew", tuple(CREWS), "number of hands that lift a box together")
+SLOTS = ("first", "second", "third", "fourth")
+"""Slots of the hands, in the same order as the places in `CREWS`."""
 
 ABOVE_CENTRE = 0.01
 """Height of the lower end of a hand above the centre of a box [m]."""
-STANDBY_GAP = 0.012
-"""Gap between a face and a hand in its standby position [m]."""
 FLOOR_TOLERANCE = 0.01
 """Largest distance of a bottom corner from the floor at which a box counts as standing on the floor [m]."""
 
 
-def offset_in_box(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the position ``(..., 3)`` [m] of a hand's centre in the body frame of a box."""
-    return to_body(state, thing, state[hand, "position"] - state[thing, "position"])
+@dataclass(frozen=True)
+class Roles:
+    """The hands and the box of a block instance.
+
+    Attributes:
+        crew: symbol for the number of hands.
+        hands: pairs of (hand, place).
+        thing: the box.
+    """
+
+    crew: str
+    hands: tuple[tuple[Token, str], ...]
+    thing: Token
+
+    @classmethod
+    def of(cls, crew: str, binding: Binding) -> "Roles":
+        """Return the roles in a binding."""
+        hands = tuple((get_token(binding, slot), place) for slot, place in places_of(crew))
+        return cls(crew, hands, get_token(binding, "object"))
+
+    @property
+    def contacts(self) -> tuple[tuple[Token, str], ...]:
+        """Pairs of (hand, face)."""
+        return tuple((hand, SPOTS[place][0]) for hand, place in self.hands)
 
 
-def outward(state: State, thing: Token, place: str) -> FloatArray:
-    """Return the outward normal ``(..., 3)`` of a box's face at a place."""
-    return rotate(state[thing, "orientation"], np.array([SPOTS[place][0], 0.0, 0.0]))
+def places_of(crew: str) -> tuple[tuple[str, str], ...]:
+    """Return a pair of (slot, place) for each hand of a crew."""
+    return tuple(zip(SLOTS, CREWS[crew], strict=False))
 
 
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
     """Return the position ``(..., 3)`` [m] of a hand's centre for a place at a box and a gap [m] to the box's face."""
-    side, along = SPOTS[place]
+    face, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
-    in_body = np.array([side * (half_x + hand["radius"] + gap), along * half_y, ABOVE_CENTRE + hand["length"] / 2.0])
-    return np.asarray(state[thing, "position"] + rotate(state[thing, "orientation"], in_body))
-
-
-def gap_at(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the distance ``(...)`` [m] between a hand's surface and the plane of the face at a place."""
-    across = SPOTS[place][0] * offset_in_box(state, hand, thing)[..., 0]
-    return np.asarray(across - thing["half_extents"][0] - hand["radius"])
+    aside = NORMALS[face][0] * (half_x + hand["radius"] + gap)
+    return point(state, thing, np.array([aside, along * half_y, ABOVE_CENTRE + hand["length"] / 2.0]))
 
 
 def corner_heights(state: State, thing: Token) -> FloatArray:
@@ -69,3 +85,8 @@ def corner_heights(state: State, thing: Token) -> FloatArray:
     halves, orientation = np.asarray(thing["half_extents"]), state[thing, "orientation"]
     corners = (np.array([x, y, -1.0]) * halves for x, y in product((-1.0, 1.0), repeat=2))
     return np.stack([state[thing, "position"][..., 2] + rotate(orientation, each)[..., 2] for each in corners], axis=-1)
+
+
+def height(state: State, thing: Token) -> FloatArray:
+    """Return the height ``(...)`` [m] of the lowest point of a box above the floor."""
+    return np.asarray(corner_heights(state, thing).min(axis=-1))

@@ -2,15 +2,20 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, SafetyFactor, State, Token, rotate
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, SafetyFactor, State, Token
 from hybrid_tamp.skills import (
     POSE,
     UP,
     StaticEndEffector,
+    at_place,
     competence,
+    gap_to_face,
+    heavy_enough,
+    in_body,
     length_predicate,
-    near,
+    outside,
     physical_bound,
+    z_axis,
 )
 
 from .classes import Liftable
@@ -22,8 +27,7 @@ from .places import (
     PLACE,
     SPOTS,
     corner_heights,
-    gap_at,
-    offset_in_box,
+    height,
     place_at,
 )
 
@@ -38,8 +42,6 @@ LOWEST_LIFT = 0.11
 PLACE_TOLERANCE = 0.03
 """Largest distance at which a hand counts as at its place [m]. The tolerance covers the standby gap and slip."""
 _CLEAR = 0.005
-_PRESSED = 0.005
-"""Largest depth [m] to which a hand that bears a box presses into its face."""
 _UPRIGHT = np.sin(np.radians(3.0))
 _SKEW = float(np.tan(np.radians(0.5)))
 """Ratio of the force along a face to the squeeze, if a hand presses askew by half a degree."""
@@ -54,7 +56,7 @@ _ABREAST = 0.02
 
 
 def _rise(state: State, thing: Token) -> FloatArray:
-    return np.asarray(corner_heights(state, thing).min(axis=-1) - RAISED_HEIGHT)
+    return np.asarray(height(state, thing) - RAISED_HEIGHT)
 
 
 def _footing(state: State, thing: Token) -> FloatArray:
@@ -62,7 +64,7 @@ def _footing(state: State, thing: Token) -> FloatArray:
 
 
 def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
-    nearer = np.maximum(gap_at(state, hand, thing, "left"), gap_at(state, hand, thing, "right"))
+    nearer = np.maximum(gap_to_face(state, hand, thing, "left"), gap_to_face(state, hand, thing, "right"))
     return np.asarray(nearer - _CLEAR)
 
 
@@ -70,21 +72,20 @@ def _gap(state: State, hand: Token, thing: Token) -> FloatArray:
     """Return the largest gap ``(...)`` [m] between an upright hand and a box along one of the axes of the box."""
     half = np.array([hand["radius"], hand["radius"], hand["length"] / 2.0])
     return np.asarray(
-        (np.abs(offset_in_box(state, hand, thing)) - np.asarray(thing["half_extents"]) - half).max(axis=-1)
+        (np.abs(in_body(state, thing, state[hand, "position"])) - np.asarray(thing["half_extents"]) - half).max(axis=-1)
     )
 
 
 def _uprightness(state: State, hand: Token) -> FloatArray:
-    axis = rotate(state[hand, "orientation"], UP)
-    return np.asarray(_UPRIGHT - np.linalg.norm(axis[..., :2], axis=-1))
+    return np.asarray(_UPRIGHT - np.linalg.norm(z_axis(state, hand)[..., :2], axis=-1))
 
 
 def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
     """Return the smaller of a hand's distance outside its face [m] and its depth inside its half of the box [m]."""
-    side, along = SPOTS[place]
-    offset = offset_in_box(state, hand, thing)
-    beyond = side * offset[..., 0] - thing["half_extents"][0] - hand["radius"]
-    return np.asarray(np.minimum(beyond, np.sign(along) * offset[..., 1] + _MIDDLE) if along else beyond)
+    face, along = SPOTS[place]
+    beyond = gap_to_face(state, hand, thing, face)
+    ahead = in_body(state, thing, state[hand, "position"])[..., 1]
+    return np.asarray(np.minimum(beyond, np.sign(along) * ahead + _MIDDLE) if along else beyond)
 
 
 def room_above(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
@@ -94,8 +95,7 @@ def room_above(state: State, hand: Token, thing: Token, place: str) -> FloatArra
 
 def _on_the_floor(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
     """Return the position ``(..., 3)`` [m] of a hand at its place while the box stands on the floor."""
-    raised = corner_heights(state, thing).min(axis=-1)
-    return np.asarray(place_at(state, hand, thing, place) - raised[..., None] * UP)
+    return np.asarray(place_at(state, hand, thing, place) - height(state, thing)[..., None] * UP)
 
 
 def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
@@ -114,10 +114,6 @@ def _room(hand: Token, thing: Token, place: str) -> float:
 
 def _grip(thing: Token) -> float:
     return friction(thing) - _SKEW
-
-
-def _weight(thing: Token) -> float:
-    return float(GRAVITY * thing["mass"]) - _LEAST_WEIGHT
 
 
 def _share(state: State, hand: Token, thing: Token, crew: str, factor: float) -> tuple[float, float]:
@@ -144,12 +140,11 @@ RAISED = length_predicate(
     description=f"the lowest point of {{object}} is at least {RAISED_HEIGHT} m above the floor",
     denial=f"the lowest point of {{object}} is less than {RAISED_HEIGHT} m above the floor",
 )
-AT_PLACE = length_predicate(
+AT_PLACE = at_place(
     "at_place",
     (_HAND, _OBJECT, _PLACE),
-    near(PLACE_TOLERANCE, place_at),
-    reads={"hand": ("position",), "object": POSE},
-    kind=Kind.MAINTAINED,
+    PLACE_TOLERANCE,
+    place_at,
     description="{hand} is at the {place} of {object}",
     denial="{hand} is not at the {place} of {object}",
 )
@@ -162,14 +157,7 @@ CLEAR_OF = length_predicate(
     description="{hand} has released {object}",
     denial="{hand} has not released {object}",
 )
-OUTSIDE = length_predicate(
-    "outside",
-    (_HAND, _OBJECT),
-    _gap,
-    reads={"hand": ("position",), "object": POSE},
-    description="{hand} is outside {object}",
-    denial="{hand} passes through {object}",
-)
+OUTSIDE = outside(Liftable, _gap)
 UPRIGHT = competence(
     "upright",
     (_HAND,),
@@ -229,14 +217,6 @@ GRIPPABLE = competence(
     description="{object} is rough enough for hands that press slightly askew",
     denial="{object} is too smooth: it slips out between hands that press slightly askew",
 )
-HEAVY_ENOUGH = competence(
-    "heavy_enough",
-    (_OBJECT,),
-    _weight,
-    unit="N",
-    scale=0.01,
-    description="{object} is heavy enough for hands that lift it",
-    denial="{object} is so light that hands would tilt it instead of lifting it",
-)
+HEAVY_ENOUGH = heavy_enough(Liftable, _LEAST_WEIGHT, "lift", "tilt it instead of lifting it")
 FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, GRIPPABLE, HEAVY_ENOUGH, BEARS)
 PREDICATES = (STANDS, RAISED, AT_PLACE, CLEAR_OF, OUTSIDE, *FEASIBLE)

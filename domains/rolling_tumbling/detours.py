@@ -7,18 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Profile, State, Token, rotate
-from hybrid_tamp.skills import HORIZONTAL, to_body
+from hybrid_tamp.skills import HORIZONTAL, NORMALS, OPPOSITE, STANDBY_GAP, advance, half_extent, normal, to_body, z_axis
 
-from .faces import NORMALS, OPPOSITE
-from .tumbling_geometry import (
-    STANDBY_GAP,
-    above_floor,
-    half_extent,
-    hand_axis,
-    normal,
-    place_at,
-    sides_across,
-)
+from .tumbling_geometry import above_floor, place_at, sides_across
 
 _ROOM = 0.055
 """Gap [m] between a box and a passing hand. The gap is wide enough for another hand."""
@@ -50,8 +41,7 @@ class Curve:
 
     def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
         """Return the hand's position [m] and velocity [m/s], each ``(..., 3)``, for a movement with a speed profile."""
-        phase = np.asarray(elapsed / duration)
-        travelled = profile.share(phase) * self.length
+        travelled, speed = advance(profile, elapsed, duration, self.length)
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
         # The open grid of indices lets each member of the batch read its own curve.
         members = np.indices(self.arcs.shape[:-1], sparse=True)
@@ -60,7 +50,6 @@ class Curve:
         along = high - low
         span = np.linalg.norm(along, axis=-1)
         direction = along / np.maximum(span, 1e-12)[..., None]
-        speed = profile.rate(phase) * self.length / duration
         return low + direction * (travelled - start)[..., None], direction * speed[..., None]
 
 
@@ -156,7 +145,7 @@ def _corners(
             start=np.zeros(3),
         )
         # The hand moves in the plane perpendicular to its own axis.
-        axis = to_body(state, thing, hand_axis(state, hand))
+        axis = to_body(state, thing, z_axis(state, hand))
         offset = to_body(state, thing, place_at(state, hand, thing, goal) - state[thing, "position"])
         away = away + axis * (offset @ axis)
         found.append(state[thing, "position"] + rotate(state[thing, "orientation"], away))
@@ -177,7 +166,7 @@ def corners_away(state: State, hand: Token, thing: Token) -> list[FloatArray]:
     outward = normal(state, thing, face) * HORIZONTAL
     if np.linalg.norm(outward) < 0.2:  # A hand above the box moves to the nearer side.
         outward = (state[hand, "position"] - state[thing, "position"]) * HORIZONTAL
-        outward = outward - hand_axis(state, hand) * (outward @ hand_axis(state, hand))
+        outward = outward - z_axis(state, hand) * (outward @ z_axis(state, hand))
     outward = outward / max(float(np.linalg.norm(outward)), 1e-9)
     halves = [half_extent(thing, side) for side in _around(state, hand, thing)]
     have = float((free - state[thing, "position"]) @ outward)

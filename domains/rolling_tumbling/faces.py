@@ -8,23 +8,8 @@ posture "over right bottom", the box stands on the same edge and leans over its 
 
 from itertools import product
 
-import numpy as np
-
-from hybrid_tamp.authoring import FloatArray, SymbolSort
-
-NORMALS: dict[str, FloatArray] = {
-    "left": np.array([-1.0, 0.0, 0.0]),
-    "right": np.array([1.0, 0.0, 0.0]),
-    "front": np.array([0.0, -1.0, 0.0]),
-    "back": np.array([0.0, 1.0, 0.0]),
-    "bottom": np.array([0.0, 0.0, -1.0]),
-    "top": np.array([0.0, 0.0, 1.0]),
-}
-"""Maps each face to its outward normal in the body frame."""
-
-_OPPOSITE = {"left": "right", "front": "back", "bottom": "top"}
-OPPOSITE = _OPPOSITE | {other: one for one, other in _OPPOSITE.items()}
-"""Maps each face to the opposite face."""
+from hybrid_tamp.authoring import SymbolSort
+from hybrid_tamp.skills import NORMALS, OPPOSITE
 
 FACE = SymbolSort("face", tuple(NORMALS), "face of a box, whose body-frame normal is -x, +x, -y, +y, -z or +z")
 

@@ -23,12 +23,11 @@ from hybrid_tamp.authoring import (
     silhouette,
     volume_of,
 )
-from hybrid_tamp.skills import HORIZONTAL, UP, Region, StaticEndEffector
+from hybrid_tamp.skills import HORIZONTAL, UP, Region, StaticEndEffector, z_axis
 
 from .classes import Rollable
 from .geometry import heading
 from .predicates import WITHIN_WORKSPACE
-from .tumbling_geometry import hand_axis
 
 DISTANCE, TOLERANCE = 0.6, 0.05
 """Distance of the trial roll, and largest final distance from the goal in a passed trial [m]."""
@@ -113,7 +112,7 @@ def _towards(state: State, member: Token, hand: Token | None, region: Token, sig
 def _lying(task: Task, member: Token, hand: Token | None, yaw: float) -> tuple[FloatArray, float]:
     """Return the orientation of a token that lies on its widest side, and the height of the token's centre [m]."""
     axis = np.asarray(member["axis_of_rotation"])
-    along = np.array([0.0, 1.0, 0.0]) if hand is None else hand_axis(task.state, hand) * HORIZONTAL
+    along = np.array([0.0, 1.0, 0.0]) if hand is None else z_axis(task.state, hand) * HORIZONTAL
     along = along / np.linalg.norm(along) if np.linalg.norm(along) > 0.5 else np.array([0.0, 1.0, 0.0])
     points = points_of(member.solid)
     reach = silhouette(points, axis)

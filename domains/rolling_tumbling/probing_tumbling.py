@@ -16,14 +16,14 @@ from hybrid_tamp.authoring import (
     quaternion_multiply,
     rotate,
 )
-from hybrid_tamp.skills import HORIZONTAL, UP, StaticEndEffector, to_body
+from hybrid_tamp.skills import HORIZONTAL, NORMALS, UP, StaticEndEffector, normal, to_body, z_axis
 
 from .classes import Tumblable
-from .faces import FACE, NORMALS, flat
+from .faces import FACE, flat
 from .metrics import CONTROLLED
 from .probing_rolling import mass_of
 from .standing import FLAT_TOLERANCE
-from .tumbling_geometry import GRIP, hand_axis, normal, sides_across, to_the_right
+from .tumbling_geometry import GRIP, sides_across, to_the_right
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
 """Largest random offsets of the initial position [m] and of the initial yaw [rad]."""
@@ -59,7 +59,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 def _turning_axis(task: Task, token: Token) -> int:
     """Return the index of the body axis nearest to a hand's axis, or of the y axis if the task has no hand."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
-    return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, hand_axis(task.state, hand)))))
+    return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, z_axis(task.state, hand)))))
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:

@@ -32,16 +32,15 @@ from hybrid_tamp.skills import (
     HORIZONTAL,
     IN_WORKSPACE,
     MOTION,
-    REST_SPEED,
     StaticEndEffector,
     Timetable,
+    advance,
     get_symbol,
     get_token,
     get_tokens,
     hand_system,
     position_servo,
     profile_of,
-    round_up,
     straight_profile,
 )
 
@@ -55,7 +54,6 @@ from .tumbling_predicates import (
     ALIGNED,
     AT_FACE,
     EXPOSED,
-    FACE_TOLERANCE,
     LOW_ENOUGH,
     ON_SIDE,
     POSTURE,
@@ -63,7 +61,6 @@ from .tumbling_predicates import (
     WITHIN_REACH,
 )
 
-_SETTLING = 0.02
 _SHORTEST = 0.8
 _ASIDE = 0.02
 """Distance [m] of a hand's quick retreat from the face that it touches, which is less than the gap on the curve."""
@@ -98,18 +95,9 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
     A curve begins slowly. Without the retreat, a box that leans on the hand would follow the hand and keep pressing on
     it until other hands take over.
     """
-    off, back = elapsed / _LETTING_GO, (elapsed - _LETTING_GO) / _COMING_BACK
-    profile = straight_profile()
-    distance = profile.share(off) - profile.share(back)
-    speed = profile.rate(off) / _LETTING_GO - profile.rate(back) / _COMING_BACK
-    return _ASIDE * distance[..., None], _ASIDE * speed[..., None]
-
-
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the time [s] until both the hand's distance from the goal and its speed are within tolerance."""
-    curve = _curve(binding, state)
-    near = FACE_TOLERANCE if "face" in binding else np.inf
-    return round_up(profile.arrival(curve.length, _time(curve, hyperparameters), near, REST_SPEED) + _SETTLING)
+    off, leaving = advance(straight_profile(), elapsed, _LETTING_GO)
+    back, returning = advance(straight_profile(), elapsed - _LETTING_GO, _COMING_BACK)
+    return _ASIDE * (off - back)[..., None], _ASIDE * (leaving - returning)[..., None]
 
 
 def _follow(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
@@ -140,11 +128,6 @@ def _follow(binding: Binding, start: State, parameters: Parameters, profile: Pro
     return policy
 
 
-def _arrived(binding: Binding, state: State) -> State:
-    """Return the state with the hand at the end of the curve."""
-    return state.replace({(get_token(binding, "hand").name, "position"): _curve(binding, state).points[..., -1, :]})
-
-
 def _reaching(
     mode: str,
     targets: tuple[Target, ...],
@@ -169,13 +152,12 @@ def _reaching(
         # The curve is about a box, and boxes do not roll.
         keeps=(OUTSIDE,),
         hyperparameters=(_SPEED,),
-        duration=Duration(shortest, 15.0, partial(_expected, profile=profile)),
+        duration=Duration(shortest, 15.0),
         hold=True,
         policy=partial(_follow, profile=profile),
         system=hand_system,
         taught=partial(_reaching, mode, targets, entry, arrived, lasting, shortest, description),
         movement=Movement("hand", "position", 1),
-        outcome=_arrived,
         description=description,
     )
 

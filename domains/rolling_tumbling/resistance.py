@@ -13,11 +13,10 @@ rho g/(R + I/(m R)), where I is its moment of inertia.
 import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, Cylinder, FloatArray, MeshShape, Parameter, State, Token
-from hybrid_tamp.skills import Resistance, StaticEndEffector, competence, height_below, physical_bound
+from hybrid_tamp.skills import HAND_FRICTION, Resistance, StaticEndEffector, competence, height_below, physical_bound
 
 from .classes import Rollable
 from .geometry import FLOOR_CLEARANCE, upright_part
-from .sliding import HAND_FRICTION
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)

@@ -10,7 +10,6 @@ from hybrid_tamp.authoring import (
     Duration,
     FloatArray,
     Hyperparameter,
-    Hyperparameters,
     Slot,
     State,
     Target,
@@ -61,14 +60,6 @@ def _usual(binding: Binding, state: State) -> FloatArray:
     return np.asarray(usual_deceleration(get_tokens(binding, "object")[0]))
 
 
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    """Return the expected total duration [s] of the approach, the constant speed and the constant deceleration."""
-    speed, braked = float(hyperparameters["speed"]), float(hyperparameters["deceleration"])
-    distance = float(hyperparameters["distance"])
-    braking = min(distance, speed**2 / (2 * braked))
-    return float((distance - braking) / speed + np.sqrt(2 * braking / braked) + 0.5)
-
-
 REACH_BEHIND = ReachGoal(
     targets=(Target("object", Rollable), Target("region", Region)),
     position=ROLL.standby,
@@ -106,7 +97,7 @@ ROLLING = Block(
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),
         Hyperparameter("deceleration", "m/s^2", SMALLEST_DECELERATION, 0.3, _usual, "final deceleration"),
     ),
-    duration=Duration(0.2, 40.0, _expected),
+    duration=Duration(0.2, 40.0),
     policy=ROLL.policy,
     system=ROLL.system,
     outcome=_outcome,

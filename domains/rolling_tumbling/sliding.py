@@ -11,11 +11,10 @@ equations hold while hands tip the box, and while hands lower the box onto the s
 import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, Token
+from hybrid_tamp.skills import HAND_FRICTION, half_extent
 
-from .tumbling_geometry import GRIP, PAST_BALANCE, SAG, half_extent
+from .tumbling_geometry import GRIP, PAST_BALANCE, SAG
 
-HAND_FRICTION = 0.5
-"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
 FLOOR_FRICTION = 1.0
 """Friction coefficient of the floor. A backend multiplies the coefficients of two bodies in contact."""
 SQUEEZE = 0.5

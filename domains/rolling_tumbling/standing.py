@@ -5,10 +5,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, State, Token, cross, without_rounding
-from hybrid_tamp.skills import UP, StaticEndEffector, dot, to_body
+from hybrid_tamp.skills import NORMALS, UP, StaticEndEffector, dot, normal, to_body, z_axis
 
-from .faces import FACE, NORMALS, POSTURES, faces_of, flat
-from .tumbling_geometry import hand_axis, lowest_point, nominal_tilt, normal, tilt
+from .faces import FACE, POSTURES, faces_of, flat
+from .tumbling_geometry import lowest_point, nominal_tilt, tilt
 
 SLENDERNESS = 1.6
 """Largest ratio of a box's edge lengths. Tumbling has been tested up to this ratio."""
@@ -95,7 +95,7 @@ def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str)
 
 def _edge_along(thing: Token, state: State, hand: Token) -> int | None:
     """Return the index of the box's body axis that is nearest to the hand's axis, or None if the hand is not level."""
-    axis = hand_axis(state, hand)
+    axis = z_axis(state, hand)
     if abs(float(axis[2])) > _LEVEL:
         return None
     return int(np.argmax(np.abs(to_body(state, thing, axis))))

@@ -23,12 +23,10 @@ from hybrid_tamp.authoring import (
     Duration,
     FloatArray,
     Hyperparameter,
-    Hyperparameters,
     Movement,
     Parameters,
     Policy,
     Predicate,
-    Profile,
     Slot,
     State,
     Target,
@@ -36,18 +34,17 @@ from hybrid_tamp.authoring import (
 )
 from hybrid_tamp.skills import (
     AT_REST,
-    BODY,
     IN_WORKSPACE,
     MOTION,
-    REST_SPEED,
     UP,
     StaticEndEffector,
     dot,
     get_symbol,
     get_tokens,
     hand_system,
+    make_pressing,
+    normal,
     profile_of,
-    round_up,
     stay,
 )
 
@@ -62,8 +59,7 @@ from .control_predicates import (
 from .faces import FACE, POSTURES, faces_of
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
-from .standing import FLAT_TOLERANCE
-from .tumbling_geometry import edge_axis, edge_position, half_extent, nominal_tilt, normal
+from .tumbling_geometry import edge_axis, edge_position
 from .tumbling_predicates import (
     AT_FACE,
     HOLDS,
@@ -75,14 +71,13 @@ from .tumbling_predicates import (
     TIPS,
     WITHIN_REACH,
 )
-from .turning import CLOSING, Roles, after_turning, make_turning, turning_time
+from .turning import CLOSING, after_turning, make_turning
 from .turning_model import turning_system
 
 _LEAN_SQUEEZE = 25.0
 """Largest default squeeze [N] of hands that tilt a box from one hand over to the other hand."""
 _LIGHT_SQUEEZE = 0.25
 """Ratio of this squeeze to the weight of a light box, which a larger squeeze would throw when a hand lets go."""
-_SETTLING = 0.05
 _AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "far"))
 _ABLE = (
     *(
@@ -138,45 +133,29 @@ def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
     return policy
 
 
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters, profile: Profile) -> float:
-    """Return the longest time [s] in which the hands close and turn the box to within tolerance of its new posture."""
-    roles = Roles.of(binding)
-    angle = roles.wanted - nominal_tilt(roles.thing, get_symbol(binding, "before"), *roles.edge)
-    # A hand moves faster than the box, because the hand is about one diagonal of the box away from the edge.
-    one, other = (half_extent(roles.thing, face) for face in roles.edge)
-    width = 2.0 * float(np.hypot(one, other))
-    turn = turning_time(angle, float(hyperparameters["rate"]))
-    return round_up(CLOSING + profile.arrival(angle, turn, FLAT_TOLERANCE, REST_SPEED / width) + _SETTLING)
-
-
 def _tipping(
     mode: str, relation: Predicate, squeeze: Hyperparameter, description: str, primitive: DMP | None = None
 ) -> Block:
     """Return one mode of TIPPING. The primitive, by default `straight_movement`, generates the tilt of the box."""
-    profile = profile_of(primitive)
-    return Block(
-        name=f"TIPPING:{mode}",
-        slots=(Slot("first", StaticEndEffector), Slot("second", StaticEndEffector), Slot("object", Tumblable)),
-        anchor="object",
+    return make_pressing(
+        f"TIPPING:{mode}",
+        ("first", "second"),
+        Tumblable,
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
         entry=(relation("near", "far", "before", "outcome"), POSTURE("object", "before"), *_AT_FACES, *_ABLE),
-        exit=(POSTURE("object", "outcome"), *_AT_FACES, *map(AT_REST, ("object", "first", "second"))),
-        invariants=(
-            *(always(hand) for hand in ("first", "second") for always in (IN_WORKSPACE, CLEAR_OF_FLOOR)),
-            TURNS_SLOWLY("object"),
-        ),
-        writes={"first": MOTION, "second": MOTION, "object": BODY},
+        exit=(POSTURE("object", "outcome"), *_AT_FACES),
+        always=(IN_WORKSPACE, CLEAR_OF_FLOOR),
+        invariants=(TURNS_SLOWLY("object"),),
         # Boxes do not roll, so the facts of rolling do not change.
         keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE),
         ends={"object": ("near", "far", "before", "outcome")},
-        allowed_contacts=(("first", "object"), ("second", "object"), ("object", FLOOR)),
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean angular speed of the turn"),
             squeeze,
         ),
-        duration=Duration(CLOSING, 20.0, partial(_expected, profile=profile)),
+        duration=Duration(CLOSING, 20.0),
         hold=True,
-        policy=partial(make_turning, profile=profile),
+        policy=partial(make_turning, profile=profile_of(primitive)),
         system=turning_system,
         taught=partial(_tipping, mode, relation, squeeze, description),
         movement=Movement("object", "orientation", 1),
@@ -230,7 +209,7 @@ TILTING = Block(
     writes={"hand": MOTION},
     keeps=(OUTSIDE,),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
-    duration=Duration(0.1, 60.0, lambda binding, state, hyperparameters: 0.1),
+    duration=Duration(0.1, 60.0),
     hold=True,
     policy=_hold,
     system=hand_system,

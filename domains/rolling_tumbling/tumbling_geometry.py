@@ -3,14 +3,24 @@
 Vectors are in the world frame unless a name says otherwise. Batch dimensions come first.
 """
 
-from functools import cache
-
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
-from hybrid_tamp.skills import UP, dot, to_body
+from hybrid_tamp.skills import (
+    NORMALS,
+    STANDBY_GAP,
+    UP,
+    contact_distance,
+    dot,
+    half_extent,
+    normal,
+    normals,
+    point,
+    to_body,
+    z_axis,
+)
 
-from .faces import NORMALS, faces_of
+from .faces import faces_of
 from .geometry import FLOOR_CLEARANCE
 
 GRIP = 0.72
@@ -23,36 +33,9 @@ _HIGHEST = 0.9
 _AXES = np.eye(3)
 SAG = float(np.radians(3.0))
 """Angle by which a leaning box may sink onto a hand [rad]."""
-STANDBY_GAP = 0.012
-"""Gap between a face and a hand in its standby position [m]."""
 PAST_BALANCE = float(np.radians(6.0))
 """Angle by which a tipped box leans past its point of balance [rad]. At this angle, the box does not fall back and a
 single hand can hold the box."""
-
-
-def half_extent(thing: Token, face: str) -> float:
-    """Return the distance of a face from the centre of the box [m]."""
-    return float(np.abs(NORMALS[face]) @ np.asarray(thing["half_extents"]))
-
-
-def contact_distance(thing: Token, face: str) -> float:
-    """Return the distance [m], along a face's normal, from the centre of the box to the hands' contact points."""
-    return float(np.abs(NORMALS[face]) @ (np.asarray(thing["half_extents"]) - np.asarray(thing["hollow"])))
-
-
-def normal(state: State, thing: Token, face: str) -> FloatArray:
-    """Return the outward unit normal ``(..., 3)`` of a face."""
-    return rotate(state[thing, "orientation"], NORMALS[face])
-
-
-def normals(state: State, thing: Token, *faces: str) -> FloatArray:
-    """Return the outward unit normals ``(..., n, 3)`` of n faces."""
-    return rotate(state[thing, "orientation"][..., None, :], _table(faces))
-
-
-@cache
-def _table(faces: tuple[str, ...]) -> FloatArray:
-    return np.array([NORMALS[face] for face in faces])
 
 
 def balance(thing: Token, down: str, forward: str) -> float:
@@ -78,17 +61,12 @@ def nominal_tilt(thing: Token, posture: str, down: str, forward: str) -> float:
 def edge_position(state: State, thing: Token, down: str, forward: str) -> FloatArray:
     """Return the midpoint ``(..., 3)`` [m] of the edge between two faces."""
     middle = NORMALS[down] * half_extent(thing, down) + NORMALS[forward] * half_extent(thing, forward)
-    return state[thing, "position"] + rotate(state[thing, "orientation"], middle)
+    return point(state, thing, middle)
 
 
 def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray:
     """Return the axis ``(..., 3)`` about which the box turns over an edge, from `down` towards `forward`."""
     return rotate(state[thing, "orientation"], cross(NORMALS[forward], NORMALS[down]))
-
-
-def hand_axis(state: State, hand: Token) -> FloatArray:
-    """Return the z axis ``(..., 3)`` of a cylindrical hand, which is constant because the wrist is rigid."""
-    return rotate(state[hand, "orientation"], UP)
 
 
 def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
@@ -97,7 +75,7 @@ def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray
     The neighbours are the adjacent faces whose normals are perpendicular to the hand's axis. The height of a hand on
     `face` is measured from the edge between `face` and its lower neighbour.
     """
-    along = np.abs(to_body(state, thing, hand_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
+    along = np.abs(to_body(state, thing, z_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
     across = _AXES[np.argmin(along, axis=-1)]
     height = rotate(state[thing, "orientation"], across)[..., 2]
     return np.asarray(across * np.where(height > 0, -1.0, 1.0)[..., None])
@@ -138,7 +116,7 @@ def room_below(hand: Token, extent: float, width: float) -> float:
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
     """Return the standby position ``(..., 3)`` [m] of a hand's centre at a face of a box."""
     contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
-    return above_floor(hand, state[thing, "position"] + rotate(state[thing, "orientation"], contact))
+    return above_floor(hand, point(state, thing, contact))
 
 
 def above_floor(hand: Token, position: FloatArray) -> FloatArray:
@@ -157,7 +135,7 @@ def lowest_point(state: State, thing: Token) -> FloatArray:
 
 def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
     """Return the four faces of a box whose normals are perpendicular to the hand's axis, for a single state."""
-    along = np.abs(to_body(state, thing, hand_axis(state, hand)))
+    along = np.abs(to_body(state, thing, z_axis(state, hand)))
     own = int(np.argmax(along))
     return tuple(face for face in NORMALS if not NORMALS[face][own])
 
@@ -188,7 +166,7 @@ def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) ->
 
 def to_the_right(state: State, hand: Token) -> FloatArray:
     """Return the horizontal unit vector ``(..., 3)`` that points to the right of a level hand's axis."""
-    return cross(hand_axis(state, hand), UP)
+    return cross(z_axis(state, hand), UP)
 
 
 def _angle(state: State, hand: Token, thing: Token, face: str) -> float:

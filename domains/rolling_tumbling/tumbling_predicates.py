@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token
 from hybrid_tamp.skills import (
+    HAND_FRICTION,
     POSE,
     StaticEndEffector,
     competence,
@@ -12,23 +13,15 @@ from hybrid_tamp.skills import (
     largest_depth,
     length_predicate,
     near,
+    normal,
     one_by_one,
+    z_axis,
 )
 
 from .classes import Tumblable
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
-from .sliding import HAND_FRICTION
 from .standing import FLAT_TOLERANCE, SLENDERNESS, standing
-from .tumbling_geometry import (
-    GRIP,
-    hand_axis,
-    normal,
-    outlook,
-    place_at,
-    sections,
-    sides_across,
-    to_the_right,
-)
+from .tumbling_geometry import GRIP, outlook, place_at, sections, sides_across, to_the_right
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
@@ -46,7 +39,7 @@ _RESERVE = 1.6
 
 def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     """Return a margin that is positive if the hand's axis is level and parallel to a face."""
-    along = hand_axis(state, hand)
+    along = z_axis(state, hand)
     return np.asarray(_ALIGNMENT - np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2])))
 
 

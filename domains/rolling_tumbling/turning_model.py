@@ -9,19 +9,14 @@ from hybrid_tamp.authoring import (
     ContinuousSystem,
     FloatArray,
     State,
-    Token,
     cross,
     integrate,
     quaternion_from_axis_angle,
     rotate,
 )
-from hybrid_tamp.skills import dot, driven_velocity, force_on, stop_at_face
+from hybrid_tamp.skills import NORMALS, contact_distance, dot, force_on, half_extent, meet_face
 
-from .faces import NORMALS
-from .tumbling_geometry import contact_distance, half_extent
 from .turning import Roles
-
-_TOUCH = 1e-4
 
 
 def turning_system(binding: Binding, start: State) -> ContinuousSystem:
@@ -32,7 +27,8 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
     """
     roles = Roles.of(binding)
     thing = roles.thing
-    hands, sides = _contacts(roles), [half_extent(thing, face) for face in roles.edge]
+    hands = [(hand, contact_distance(thing, face) + hand["radius"]) for hand, face in roles.contacts]
+    sides = [half_extent(thing, face) for face in roles.edge]
     own_inertia = np.asarray(thing["mass"] * 4.0 / 3.0 * (sides[0] ** 2 + sides[1] ** 2))
     weight, body = np.array([0.0, 0.0, -GRAVITY * thing["mass"]]), _body_vectors(roles)
 
@@ -44,10 +40,10 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         levers, free = [], []
         for index, (hand, touches_at) in enumerate(hands):
             lever, outward = state[hand, "position"] - pivot, turned[..., index + 4, :]
-            gap = dot(lever - arm, outward) - touches_at
+            velocity, touches = meet_face(state, hand, outward, dot(lever - arm, outward) - touches_at, commands, dt)
             levers.append(lever)
-            free.append(stop_at_face(driven_velocity(hand, state, commands, dt), outward, gap, dt))
-            touching = touching & (gap <= _TOUCH)
+            free.append(velocity)
+            touching = touching & touches
             inertia = inertia + hand["mass"] * dot(lever, lever)
             moment = moment + dot(cross(lever, force_on(hand, state, commands)), axis)
         speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
@@ -72,12 +68,6 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
     return system
 
 
-def _contacts(roles: Roles) -> list[tuple[Token, float]]:
-    """Return each hand, and its distance [m] along the normal of its face from the centre of the box at a touch."""
-    pairs = zip(roles.hands, roles.faces, strict=True)
-    return [(hand, contact_distance(roles.thing, face) + hand["radius"]) for hand, face in pairs]
-
-
 def _body_vectors(roles: Roles) -> FloatArray:
     """Return vectors in the body frame of the box, which a step turns at once. Shape ``(6, 3)``.
 
@@ -87,4 +77,4 @@ def _body_vectors(roles: Roles) -> FloatArray:
     down, forward = roles.edge
     middle = NORMALS[down] * half_extent(roles.thing, down) + NORMALS[forward] * half_extent(roles.thing, forward)
     axis = cross(NORMALS[forward], NORMALS[down])
-    return np.array([middle, axis, NORMALS[forward], NORMALS[down], *(NORMALS[face] for face in roles.faces)])
+    return np.array([middle, axis, NORMALS[forward], NORMALS[down], *(NORMALS[face] for _, face in roles.contacts)])

@@ -15,7 +15,9 @@ from hybrid_tamp.model.predicate import Parameter, Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.skills.classes import Region, StaticEndEffector
+from hybrid_tamp.skills.roles import POSE
 from hybrid_tamp.skills.vectors import depth_in_workspace, norm
 
 REST_SPEED = 0.02
@@ -76,6 +78,61 @@ def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., Fl
         return np.asarray(tolerance - norm(offset))
 
     return margin
+
+
+def at_place(
+    name: str, parameters: tuple[Parameter, ...], tolerance: float, place: Callable[..., FloatArray], **told: Any
+) -> Predicate:
+    """Return the maintained predicate that a hand is at its place beside an object.
+
+    Args:
+        name: name of the predicate.
+        parameters: parameters of the predicate. The first two are the hand and the object.
+        tolerance: largest distance of the hand's centre from the place [m].
+        place: ``place(state, hand, *values)`` returns the place ``(..., 3)`` [m] for the hand's centre.
+        **told: further arguments of `Predicate`. By default, the margin reads the poses of hand and object.
+    """
+    reads = {parameter.name: POSE for parameter in parameters[:2]}
+    return length_predicate(
+        name, parameters, near(tolerance, place), **{"reads": reads, "kind": Kind.MAINTAINED, **told}
+    )
+
+
+def outside(movable: type[ObjectClass], gap: Callable[[State, Token, Token], FloatArray]) -> Predicate:
+    """Return the predicate `outside` (hand, object): a hand does not pass through an object.
+
+    Args:
+        movable: class of the object.
+        gap: ``gap(state, hand, thing)`` returns the distance ``(...)`` [m] between the hand and the object.
+    """
+    return length_predicate(
+        "outside",
+        (Parameter("hand", StaticEndEffector), Parameter("object", movable)),
+        gap,
+        reads={"hand": POSE, "object": POSE},
+        description="{hand} is outside {object}",
+        denial="{hand} passes through {object}",
+    )
+
+
+def heavy_enough(movable: type[ObjectClass], least: float, verb: str, instead: str) -> Predicate:
+    """Return the feasibility fact `heavy_enough` (object): the errors of the hands do not decide how an object moves.
+
+    Args:
+        movable: class of the object.
+        least: smallest weight of the object [N].
+        verb: what hands do with the object, e.g. ``"lift"``.
+        instead: what hands would do with a lighter object, e.g. ``"tilt it instead of lifting it"``.
+    """
+    return competence(
+        "heavy_enough",
+        (Parameter("object", movable),),
+        lambda thing: float(GRAVITY * thing["mass"]) - least,
+        unit="N",
+        scale=least,
+        description=f"{{object}} is heavy enough for hands that {verb} it",
+        denial=f"{{object}} is so light that hands would {instead}",
+    )
 
 
 def _slowness(state: State, token: Token) -> FloatArray:

@@ -49,6 +49,21 @@ def profile_of(primitive: DMP | None) -> Profile:
     return straight_profile() if primitive is None else Profile(primitive)
 
 
+def advance(
+    profile: Profile, elapsed: FloatArray, duration: FloatArray | float, amount: FloatArray | float = 1.0
+) -> tuple[FloatArray, FloatArray]:
+    """Return how far a movement along a profile has come, and how fast it is, each ``(...)``.
+
+    Args:
+        profile: profile of the movement.
+        elapsed: time ``(...)`` [s] since the beginning of the movement, negative before the beginning.
+        duration: duration ``(...)`` of the movement [s].
+        amount: length ``(...)`` of the movement, e.g. in metres.
+    """
+    phase = elapsed / duration
+    return amount * profile.share(phase), amount * profile.rate(phase) / duration
+
+
 def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: float = 0.0) -> Reference:
     """Return the reference of a straight movement from rest to rest.
 
@@ -61,8 +76,7 @@ def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: f
     profile = straight_profile()
 
     def at(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        phase = (elapsed - begin) / duration
-        done, speed = profile.share(phase)[..., None], profile.rate(phase)[..., None] / duration
+        done, speed = (each[..., None] for each in advance(profile, elapsed - begin, duration))
         return origin + done * way, speed * way
 
     return at

@@ -23,6 +23,11 @@ def to_body(state: State, token: Token, vectors: FloatArray) -> FloatArray:
     return rotate(quaternion_conjugate(state[token, "orientation"]), vectors)
 
 
+def z_axis(state: State, token: Token) -> FloatArray:
+    """Return the z axis ``(..., 3)`` of a token's body frame, e.g. the axis of a cylindrical hand."""
+    return rotate(state[token, "orientation"], UP)
+
+
 def depth_in_workspace(hand: Token, position: FloatArray) -> FloatArray:
     """Return the depth ``(...)`` [m] of positions ``(..., 3)`` in a hand's workspace. It is negative outside."""
     lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])

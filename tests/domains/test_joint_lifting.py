@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.joint_lifting.bearing import SLOTS, Roles
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
-from hybrid_tamp_domains.joint_lifting.heights import usual_height
-from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION, RESERVE, bearable, largest_squeeze, load, squeeze_for
-from hybrid_tamp_domains.joint_lifting.places import CREWS, SPOTS, corner_heights, gap_at, place_at
+from hybrid_tamp_domains.joint_lifting.lifting import usual_height
+from hybrid_tamp_domains.joint_lifting.load import RESERVE, bearable, largest_squeeze, load, squeeze_for
+from hybrid_tamp_domains.joint_lifting.places import CREWS, SLOTS, SPOTS, Roles, corner_heights, place_at
 from hybrid_tamp_domains.joint_lifting.predicates import (
     BEARS,
     FEASIBLE,
@@ -29,6 +28,7 @@ import hybrid_tamp
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
+from hybrid_tamp.model.expectation import expect
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.state import State
@@ -37,6 +37,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics import scene
 from hybrid_tamp.physics.protocol import Backend, open_backend
+from hybrid_tamp.skills import HAND_FRICTION, gaps_to_faces
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.testing import check_domain
@@ -77,7 +78,7 @@ def act(task: Task, action: str, mode: str, physics: Backend, state: State, **ch
     hyperparameters = block.initial_values(binding, state) | {name: np.asarray(value) for name, value in chosen.items()}
     assert block.policy is not None
     policy = block.policy(binding, state, Parameters(hyperparameters))
-    expected = block.duration.expected(binding, state, hyperparameters)
+    expected = expect(block, binding, state, hyperparameters).seconds
     for step in range(round((expected + 1.0) / CONTROL_PERIOD)):
         done = all(float(literal.margin(state, binding)) >= 0 for literal in block.exit)
         if done and step * CONTROL_PERIOD >= block.duration.minimum:
@@ -243,8 +244,8 @@ def test_a_box_is_lifted_held_and_set_down_again(mode: str, backend: str) -> Non
                 assert float(literal.margin(state, binding)) >= 0, f"{action}: {literal}"
             assert corner_heights(state, thing) == pytest.approx(np.full(4, height), abs=0.002)
             if action != "LOWERING":
-                for hand, place in Roles.of(f"{mode} hands", binding).hands:
-                    assert abs(float(gap_at(state, hand, thing, place))) < 0.001
+                for gap in gaps_to_faces(Roles.of(f"{mode} hands", binding).contacts, thing, state):
+                    assert abs(float(gap)) < 0.001
 
 
 @pytest.mark.parametrize("backend", ["analytic", "pybullet"])

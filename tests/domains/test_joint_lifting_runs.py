@@ -4,10 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hybrid_tamp_domains.joint_lifting.bearing import Roles
 from hybrid_tamp_domains.joint_lifting.load import squeeze_for
 from hybrid_tamp_domains.joint_lifting.metrics import CONTROLLED
-from hybrid_tamp_domains.joint_lifting.places import gap_at
+from hybrid_tamp_domains.joint_lifting.places import Roles
 from predicted_runs import predict
 from random_tasks.lifting import random_lifting
 
@@ -18,6 +17,7 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.report.measures import CONTACT, MEASURED, PLANNED, run_measures
+from hybrid_tamp.skills import gap_to_face
 from hybrid_tamp.taskfile.loader import load_task
 
 PROBLEMS = Path(__file__).parents[2] / "problems"
@@ -48,11 +48,11 @@ def test_hands_lift_a_box_and_bear_it_to_the_end(name: str, mode: str) -> None:
     assert (hold.block, hold.end) == (f"HOLDING:{mode}", pytest.approx(recording.duration))
     roles = Roles.of(f"{mode} hands", task.bind(hold.slots))
     held = recording.trajectory.values[-1]
-    for hand, place in roles.hands:
+    for hand, face in roles.contacts:
         # At the end, each hand touches its face without penetration, and squeezes hard enough.
         state = recording.at(recording.duration)
         assert np.array_equal(state.values, held)
-        assert abs(float(gap_at(state, hand, roles.thing, place))) < 0.001
+        assert abs(float(gap_to_face(state, hand, roles.thing, face))) < 0.001
         (force,) = (c.force for c in recording.contacts if hand.name in c.tokens and hold.name in c.instances)
         assert force == pytest.approx(squeeze_for(roles.thing, roles.crew), rel=0.05)
 

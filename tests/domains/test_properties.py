@@ -8,7 +8,7 @@ import pytest
 from hybrid_tamp_domains.joint_lifting import predicates as lifting
 from hybrid_tamp_domains.rolling_tumbling import control_predicates as tumbling
 from hybrid_tamp_domains.rolling_tumbling import resistance as rolling
-from hybrid_tamp_domains.rolling_tumbling.sliding import HAND_FRICTION, leaning_friction
+from hybrid_tamp_domains.rolling_tumbling.sliding import leaning_friction
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import PAST_BALANCE, SAG
 from hypothesis import given
 from hypothesis import strategies as st
@@ -23,6 +23,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.skills import HAND_FRICTION
 
 RADIUS = 0.1
 DRUM, CUBE, CRATE = ("roll_cylinder", "drum"), ("tumble_two_hands", "box"), ("lift_two_hands", "box")

@@ -11,7 +11,6 @@ from hybrid_tamp_domains.rolling_tumbling.faces import (
     HOLDS_HOLD,
     LEANS_HOLD,
     LOWERS_HOLD,
-    NORMALS,
     POSTURES,
     TIPS_HOLD,
     flat,
@@ -26,6 +25,7 @@ from random_tasks.tumbling import forced_push, random_tumbling
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
+from hybrid_tamp.model.expectation import expect
 from hybrid_tamp.model.facts import facts
 from hybrid_tamp.model.predicate import Value
 from hybrid_tamp.model.state import State
@@ -33,6 +33,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply
 from hybrid_tamp.physics.protocol import open_backend
+from hybrid_tamp.skills import NORMALS
 
 DT = 1 / 240
 TASK = random_tumbling(3)
@@ -109,7 +110,7 @@ def run(block: Block, task: Task, state: State, roles: dict[str, str]) -> State:
         assert float(literal.margin(then, binding)) >= 0, f"{block.name}: {literal}"
     initial = block.initial_values(binding, state)
     policy = block.policy(binding, state, Parameters(initial)) if block.policy else None
-    longest = round(block.duration.expected(binding, state, initial) / DT) + 240
+    longest = round(expect(block, binding, state, initial).seconds / DT) + 240
     system = block.system(binding, state)
     for step in range(longest):
         commands = policy(np.asarray(step * DT), state) if policy else {}

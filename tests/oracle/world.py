@@ -9,6 +9,7 @@ import numpy as np
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
+from hybrid_tamp.model.expectation import expect
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.predicate import Literal, Predicate, Value, name_of
 from hybrid_tamp.model.state import State, StateLayout
@@ -258,7 +259,7 @@ class World:
         start = self._state([name for name in roles.values() if self._is_token(name)], ids)
         values = self._sample(block, binding, start)
         first = {name: column[0] for name, column in values.items()}
-        longest = min(block.duration.maximum, 1.5 * block.duration.expected(binding, start, first) + 3.0)
+        longest = min(block.duration.maximum, 1.5 * expect(block, binding, start, first).seconds + 3.0)
         state, found = start.repeated(count), [None] * count  # type: list[Ends | None]
         model = ForwardModel(block, binding, state, Parameters({name: each[part] for name, each in values.items()}))
         alive, before = np.ones(count, dtype=bool), state.values

@@ -2,13 +2,13 @@
 
 import numpy as np
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
-from hybrid_tamp_domains.joint_lifting.load import HAND_FRICTION
 
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
+from hybrid_tamp.skills import HAND_FRICTION
 from random_tasks.lifting import random_lifting
 
 KINDS = ("two", "four", "too heavy", "too heavy for four", "same side", "level hand", "flat", "three", "contradiction")
