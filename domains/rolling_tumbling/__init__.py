@@ -8,21 +8,16 @@ test whether new objects can be rolled and tumbled.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
-from hybrid_tamp.skills import AT_REST, IN_WORKSPACE, RESTING, Region, StaticEndEffector, make_reaching
+from hybrid_tamp.skills import RESTING, find_classes, find_predicates
 
-from .classes import Rollable, Tumblable
-from .control_predicates import CONTROL_PREDICATES
 from .metrics import CONTROLLED, metrics
-from .predicates import BEHIND, INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .probing_rolling import TRY_ROLLING
 from .probing_tumbling import TRY_TUMBLING
 from .reaching_around import REACH_AWAY, REACH_BESIDE
-from .resistance import ROLLABLE_FACTS
 from .rolling import REACH_BEHIND, ROLLING
 from .tipping import TILTING, TIPPING
-from .tumbling_predicates import TUMBLING_PREDICATES
 
-_BLOCKS = (make_reaching(REACH_BEHIND, "behind"), REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, RESTING)
+_BLOCKS = (REACH_BEHIND, REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, RESTING)
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),
@@ -62,20 +57,8 @@ _EDGES = (
 
 DOMAIN = Domain(
     name="rolling_tumbling",
-    classes=(StaticEndEffector, Rollable, Tumblable, Region),
-    predicates=(
-        AT_REST,
-        INSIDE,
-        BEHIND,
-        LIES_ON_SIDE,
-        ON_ROLLING_LINE,
-        WITHIN_WORKSPACE,
-        OUTSIDE,
-        *ROLLABLE_FACTS,
-        IN_WORKSPACE,
-        *TUMBLING_PREDICATES,
-        *CONTROL_PREDICATES,
-    ),
+    classes=find_classes(_BLOCKS),
+    predicates=find_predicates(_BLOCKS),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),
     metrics=metrics,

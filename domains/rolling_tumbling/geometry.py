@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
-from hybrid_tamp.skills import UP, dot, extent, height_below, norm
+from hybrid_tamp.skills import UP, dot, norm
 
 FLOOR_CLEARANCE = 0.01
 """Smallest gap between a hand and the floor [m]."""
@@ -33,18 +33,6 @@ def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArr
     return along * forward[..., None], np.abs(distance)
 
 
-def upright_part(hand: Token, state: State) -> FloatArray:
-    """Return the height ``(...)`` [m] of a hand's centre above the lower end of the hand's axis."""
-    shape = hand.shape
-    assert isinstance(shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
-    return np.asarray(shape.length / 2 * np.abs(rotate(state[hand, "orientation"], UP)[..., 2]))
-
-
-def touching(state: State, hand: Token, thing: Token, direction: FloatArray) -> FloatArray:
-    """Return the distance ``(...)`` [m] between the centres of a hand and an object that touch each other."""
-    return np.asarray(thing["radius_of_rotation"] + extent(state, hand, direction))
-
-
 def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
     """Return the gap ``(...)`` [m] between an object and the largest capsule in a hand, negative if they overlap."""
     shape = hand.shape
@@ -65,9 +53,3 @@ def gap_between(state: State, hand: Token, thing: Token) -> FloatArray:
     else:
         distance = norm(points) - thing["radius_of_rotation"]
     return np.asarray(distance.min(axis=-1) - shape.radius)
-
-
-def working_height(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of a pushing hand: the object's centre, or higher if the floor is too close."""
-    half = height_below(state, hand)
-    return np.maximum(state[thing, "position"][..., 2], half + FLOOR_CLEARANCE)

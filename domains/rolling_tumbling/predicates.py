@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Kind, Parameter, State, Token
+from hybrid_tamp.authoring import FloatArray, Parameter, State, Token
 from hybrid_tamp.skills import (
     HORIZONTAL,
     POSE,
@@ -12,20 +12,18 @@ from hybrid_tamp.skills import (
     depth_in_workspace,
     dot,
     inside,
-    length_predicate,
-    near,
+    outside,
     physical_bound,
 )
 
 from .classes import Rollable
-from .geometry import axis, gap_between, heading, touching, working_height
+from .geometry import axis, gap_between, heading
 from .push import ROLL
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
 _REGION = Parameter("region", Region)
 _TILT_TOLERANCE = np.sin(np.radians(3.0))
-_STANDBY_TOLERANCE = 0.025
 _PRESSED = 0.005
 """Largest depth [m] to which a hand that pushes an object presses into it."""
 _DRIFT = 0.002
@@ -51,38 +49,17 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     directions. Every roll to the region thus needs a positive result, regardless of the object's initial position. The
     exit condition IN_WORKSPACE checks the hand after the roll.
     """
-    along = heading(state, thing)
+    along, binding = heading(state, thing), {"hand": hand, "object": thing, "region": region}
+    height = ROLL.beside(binding, state)[..., 2:]
     ends = []
     for direction in (along, -along):
-        behind = touching(state, hand, thing, direction)
-        place = state[region, "position"] - direction * behind[..., None]
-        height = working_height(state, hand, thing)
-        ends.append(depth_in_workspace(hand, np.concatenate([place[..., :2], height[..., None]], axis=-1)))
+        place = state[region, "position"] - direction * ROLL.touching(binding, state, direction)[..., None]
+        ends.append(depth_in_workspace(hand, np.concatenate([place[..., :2], height], axis=-1)))
     return np.asarray(np.maximum(*ends))
 
 
-def _standby(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
-    return ROLL.standby({"hand": hand, "object": thing, "region": region}, state)
-
-
 INSIDE = inside(Rollable)
-BEHIND = length_predicate(
-    "behind",
-    (_HAND, _OBJECT, _REGION),
-    near(_STANDBY_TOLERANCE, _standby),
-    reads={"hand": ("position",), "object": POSE, "region": ("position",)},
-    kind=Kind.MAINTAINED,
-    description="{hand} is behind {object} as seen from {region}",
-    denial="{hand} is not behind {object} as seen from {region}",
-)
-OUTSIDE = length_predicate(
-    "outside",
-    (_HAND, _OBJECT),
-    lambda state, hand, thing: gap_between(state, hand, thing) + _PRESSED,
-    reads={"hand": ("position", "orientation"), "object": POSE},
-    description="{hand} is outside {object}",
-    denial="{hand} passes through {object}",
-)
+OUTSIDE = outside(Rollable, lambda state, hand, thing: gap_between(state, hand, thing) + _PRESSED)
 LIES_ON_SIDE = competence(
     "lies_on_side",
     (_OBJECT,),

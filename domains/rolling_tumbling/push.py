@@ -1,34 +1,30 @@
 """The movement of a roll: a hand pushes an object from behind, at the height of its axis of rotation."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from hybrid_tamp.authoring import Binding, FloatArray, State, Token
-from hybrid_tamp.skills import Push, get_tokens
+from hybrid_tamp.authoring import Binding, FloatArray, State
+from hybrid_tamp.skills import extent, get_tokens, make_sliding
 
-from .geometry import touching, way, working_height
+from .geometry import way
 from .resistance import rolling_resistance
 
 
-def _roles(binding: Binding) -> tuple[Token, ...]:
-    return get_tokens(binding, "hand", "object", "region")
-
-
 def _line(binding: Binding, state: State) -> tuple[FloatArray, FloatArray]:
-    _, thing, region = _roles(binding)
-    return way(state, thing, region)
+    return way(state, *get_tokens(binding, "object", "region"))
 
 
 def _touching(binding: Binding, state: State, direction: FloatArray) -> FloatArray:
-    hand, thing, _ = _roles(binding)
-    return touching(state, hand, thing, direction)
+    """Return the distance ``(...)`` [m] between the centres of a hand and an object that touch each other."""
+    hand, thing = get_tokens(binding, "hand", "object")
+    return np.asarray(thing["radius_of_rotation"] + extent(state, hand, direction))
 
 
-def _beside(binding: Binding, state: State) -> FloatArray:
-    """Return the point ``(..., 3)`` [m] at the height of the object's centre, or higher if the floor is too close."""
-    hand, thing, _ = _roles(binding)
-    centre = state[thing, "position"]
-    return np.concatenate([centre[..., :2], working_height(state, hand, thing)[..., None]], axis=-1)
-
-
-ROLL = Push(_line, _touching, _beside, lambda binding: rolling_resistance(*get_tokens(binding, "hand", "object")))
+ROLL = replace(
+    make_sliding(_line),
+    touching=_touching,
+    resistance=lambda binding: rolling_resistance(*get_tokens(binding, "hand", "object")),
+    steered=False,
+)
 """The push that rolls an object to a region."""

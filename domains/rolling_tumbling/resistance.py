@@ -13,10 +13,18 @@ rho g/(R + I/(m R)), where I is its moment of inertia.
 import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, Cylinder, FloatArray, MeshShape, Parameter, State, Token
-from hybrid_tamp.skills import HAND_FRICTION, Resistance, StaticEndEffector, competence, height_below, physical_bound
+from hybrid_tamp.skills import (
+    HAND_FRICTION,
+    Resistance,
+    StaticEndEffector,
+    competence,
+    height_below,
+    physical_bound,
+    z_axis,
+)
 
 from .classes import Rollable
-from .geometry import FLOOR_CLEARANCE, upright_part
+from .geometry import FLOOR_CLEARANCE
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Rollable)
@@ -124,7 +132,7 @@ def _overlap(state: State, hand: Token, thing: Token) -> FloatArray:
     A hand that cannot go lower touches a small object above its axis, where the normal of the contact is inclined.
     """
     half = height_below(state, hand)
-    standing = upright_part(hand, state)
+    standing = hand["length"] / 2 * np.abs(z_axis(state, hand)[..., 2])
     radius = float(thing["radius_of_rotation"])
     lower_end = np.maximum(radius, half + FLOOR_CLEARANCE) - standing
     # The lower end of an upright hand is an edge. A level hand touches with its round side.
@@ -181,5 +189,3 @@ TOUCHES_AXIS = competence(
     description="{hand} touches {object} close enough to the height of its axis",
     denial="{object} is too small for {hand}, which touches it too far above its axis",
 )
-ROLLABLE_FACTS = (ROLLS_STEADILY, ROLLS, ABLE_TO_ROLL, STOPS, WIDE_ENOUGH, TOUCHES_AXIS)
-"""Feasibility facts of a roll that depend on the sizes and the material of the object."""

@@ -8,12 +8,11 @@ import numpy as np
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Hyperparameter
-from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.skills.classes import StaticEndEffector
-from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence, length_predicate, near, physical_bound
+from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, at_place, competence, physical_bound
 from hybrid_tamp.skills.pushing import Push
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
 from hybrid_tamp.skills.roles import BODY, MOTION, POSE, get_token
@@ -55,13 +54,17 @@ def make_pushing(
     targets: tuple[Target, ...],
     effects: tuple[Literal, ...],
     feasible: tuple[Literal, ...] = (),
+    facts: tuple[Literal, ...] | None = None,
+    lasting: tuple[Literal, ...] = (),
+    keeps: tuple[tuple[Predicate, ...], tuple[Predicate, ...]] = ((), ()),
+    hyperparameters: Iterable[Hyperparameter] = (),
     contacts: Iterable[tuple[str, str]] = (("object", FLOOR),),
     description: str = "the hand pushes the object from behind",
 ) -> tuple[Block, Block]:
     """Return the blocks ``REACHING:behind`` and `name`, with the slots `hand` and `object`.
 
-    The blocks also require two facts: the hand is strong enough (`able_to_push`), and the hand stays in its workspace
-    during the push (`push_within_reach`).
+    By default, the blocks also require two facts: the hand is strong enough (`able_to_push`), and the hand stays in its
+    workspace during the push (`push_within_reach`).
 
     Args:
         name: name of the pushing block, e.g. ``"SWEEPING"``.
@@ -70,19 +73,26 @@ def make_pushing(
         targets: roles that determine the push, e.g. a region.
         effects: exit conditions in addition to the rest of hand and object.
         feasible: further feasibility facts that the push requires.
+        facts: feasibility facts that replace `able_to_push` and `push_within_reach`, or None.
+        lasting: conditions that must hold until the reach ends, in addition to the rest of the object.
+        keeps: predicates that the reach does not change, and predicates that the push does not change.
+        hyperparameters: hyperparameters of the push that replace the default hyperparameters of the same names.
         contacts: pairs of roles that may touch, in addition to the hand and the object.
         description: description of the pushing block in one line.
     """
     sorts = (StaticEndEffector, thing, *(target.sort for target in targets))
     roles = _Roles(("hand", "object", *(target.name for target in targets)), sorts)
-    behind = _behind(push, roles)
-    facts = (_able(push, roles)(*roles.names), _room(push, roles)(*roles.names), *feasible)
+    behind, chosen = _behind(push, roles), {each.name: each for each in hyperparameters}
+    if facts is None:
+        facts = (_able(push, roles)(*roles.names), _room(push, roles)(*roles.names))
+    facts = (*facts, *feasible)
     reach = ReachGoal(
         targets=(Target("object", thing), *targets),
         position=push.standby,
         entry=(*facts, AT_REST("object")),
         arrived=(behind(*roles.names), IN_WORKSPACE("hand")),
-        lasting=(AT_REST("object"),),
+        lasting=(AT_REST("object"), *lasting),
+        keeps=keeps[0],
     )
     pushing = Block(
         name=name,
@@ -93,8 +103,9 @@ def make_pushing(
         exit=(*effects, AT_REST("object"), AT_REST("hand"), IN_WORKSPACE("hand")),
         invariants=(IN_WORKSPACE("hand"),),
         writes={"hand": MOTION, "object": BODY},
+        keeps=keeps[1],
         allowed_contacts=(("hand", "object"), *contacts),
-        hyperparameters=_hyperparameters(push),
+        hyperparameters=tuple(chosen.get(each.name, each) for each in _hyperparameters(push)),
         duration=Duration(0.2, 40.0),
         policy=push.policy,
         system=push.system,
@@ -114,12 +125,12 @@ def _hyperparameters(push: Push) -> tuple[Hyperparameter, ...]:
 
 
 def _behind(push: Push, roles: _Roles) -> Predicate:
-    return length_predicate(
+    return at_place(
         "behind",
         roles.parameters,
-        near(_TOLERANCE, lambda state, *values: push.standby(roles.bind(*values), state)),
+        _TOLERANCE,
+        lambda state, *values: push.standby(roles.bind(*values), state),
         reads=roles.reads(POSE),
-        kind=Kind.MAINTAINED,
         description="{hand} is behind {object}, ready to push it",
         denial="{hand} is not behind {object}",
     )
