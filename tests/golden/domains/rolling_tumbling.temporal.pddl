@@ -42,12 +42,12 @@
 (define (domain rolling_tumbling)
   (:requirements :strips :typing :fluents :durative-actions)
   (:types
-    token region posture-of-a-box face how-many slot - object
+    token region face posture-of-a-box how-many slot - object
     static-end-effector - token
   )
   (:constants
-    flat-left flat-right flat-front flat-back flat-bottom flat-top over-left-front over-left-back over-left-bottom over-left-top over-right-front over-right-back over-right-bottom over-right-top over-front-left over-front-right over-front-bottom over-front-top over-back-left over-back-right over-back-bottom over-back-top over-bottom-left over-bottom-right over-bottom-front over-bottom-back over-top-left over-top-right over-top-front over-top-back no-posture-of-posture - posture-of-a-box
     left right front back bottom top no-face-of-at_face - face
+    flat-left flat-right flat-front flat-back flat-bottom flat-top over-left-front over-left-back over-left-bottom over-left-top over-right-front over-right-back over-right-bottom over-right-top over-front-left over-front-right over-front-bottom over-front-top over-back-left over-back-right over-back-bottom over-back-top over-bottom-left over-bottom-right over-bottom-front over-bottom-back over-top-left over-top-right over-top-front over-top-back no-posture-of-posture - posture-of-a-box
     no-region-of-inside no-region-of-behind - region
     nobody no-object-of-behind no-object-of-at_face - token
     reaching-behind-hand reaching-beside-hand reaching-away-hand tipping-opposite-first tipping-opposite-second tipping-opposite-object tipping-lower-first tipping-lower-second tipping-lower-object tipping-adjacent-first tipping-adjacent-second tipping-adjacent-object tilting-hand tilting-object rolling-hand rolling-object resting-token - slot
@@ -55,37 +55,37 @@
   (:predicates
     (rollable ?thing - token)
     (tumblable ?thing - token)
-    (at_rest ?token - token)
-    (inside ?object - token ?value-1 - region)
-    (behind ?hand - token ?value-1 - token ?value-2 - region)
     (lies_on_side ?object - token)
     (on_rolling_line ?object - token ?region - region)
     (within_workspace ?hand - static-end-effector ?object - token ?region - region)
-    (outside ?hand - static-end-effector ?object - token)
     (rolls_steadily ?hand - static-end-effector ?object - token)
-    (rolls ?object - token)
     (able_to_roll ?hand - static-end-effector ?object - token)
+    (touches_axis ?hand - static-end-effector ?object - token)
+    (rolls ?object - token)
     (stops ?object - token)
     (wide_enough ?object - token)
-    (touches_axis ?hand - static-end-effector ?object - token)
+    (at_rest ?token - token)
+    (behind ?hand - token ?value-1 - token ?value-2 - region)
     (in_workspace ?hand - static-end-effector)
+    (outside ?hand - static-end-effector ?object - token)
+    (exposed ?face - face ?posture - posture-of-a-box)
     (posture ?object - token ?value-1 - posture-of-a-box)
-    (at_face ?hand - token ?value-1 - token ?value-2 - face)
     (aligned ?hand - static-end-effector ?object - token ?face - face)
     (on_side ?hand - static-end-effector ?object - token ?face - face ?posture - posture-of-a-box)
-    (strong_enough ?hand - static-end-effector ?object - token)
     (within_reach ?hand - static-end-effector ?object - token)
+    (strong_enough ?hand - static-end-effector ?object - token)
+    (rough_enough ?hand - static-end-effector ?object - token)
     (low_enough ?hand - static-end-effector ?object - token)
+    (large_enough ?hand - static-end-effector ?object - token)
+    (heavy_enough ?object - token)
+    (at_face ?hand - token ?value-1 - token ?value-2 - face)
+    (clear_of_floor ?hand - static-end-effector)
     (tips ?near - face ?far - face ?before - posture-of-a-box ?outcome - posture-of-a-box)
+    (turns_slowly ?object - token)
     (lowers ?near - face ?far - face ?before - posture-of-a-box ?outcome - posture-of-a-box)
     (leans ?near - face ?far - face ?before - posture-of-a-box ?outcome - posture-of-a-box)
     (holds ?face - face ?posture - posture-of-a-box)
-    (exposed ?face - face ?posture - posture-of-a-box)
-    (rough_enough ?hand - static-end-effector ?object - token)
-    (large_enough ?hand - static-end-effector ?object - token)
-    (heavy_enough ?object - token)
-    (turns_slowly ?object - token)
-    (clear_of_floor ?hand - static-end-effector)
+    (inside ?object - token ?value-1 - region)
     (place ?token - token ?value-1 - slot)
     (passes ?from - slot ?to - slot)
     (distinct ?one - object ?other - object)
