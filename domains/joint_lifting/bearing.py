@@ -15,14 +15,13 @@ from hybrid_tamp.authoring import (
     Commands,
     ContinuousSystem,
     FloatArray,
-    Hyperparameter,
     Parameters,
     Policy,
     State,
 )
-from hybrid_tamp.skills import UP, Pressure, Reference, dot, force_on, gap_to_face, get_token, meet_face, normal, press
+from hybrid_tamp.skills import UP, Pressure, Reference, dot, force_on, gap_to_face, meet_face, normal, press
 
-from .load import friction, largest_squeeze, load, squeeze_for
+from .load import friction, load
 from .places import Roles, height
 
 _SOFTNESS = 0.1
@@ -55,19 +54,6 @@ def bear(roles: Roles, start: State, parameters: Parameters, gaps: Sequence[Floa
 
     squeeze = np.asarray(parameters.hyperparameters["squeeze"])
     return press(roles.contacts, roles.thing, start, gaps, squeeze, plan, softness=_SOFTNESS)
-
-
-def squeezing(crew: str) -> Hyperparameter:
-    """Return the hyperparameter `squeeze`. Its upper bound leaves the hands enough force to bear the box."""
-
-    def initial(binding: Binding, state: State) -> FloatArray:
-        return np.asarray(squeeze_for(get_token(binding, "object"), crew))
-
-    def within(binding: Binding) -> tuple[float, float]:
-        roles = Roles.of(crew, binding)
-        return 0.0, min(largest_squeeze(hand, roles.thing, crew) for hand, _ in roles.hands)
-
-    return Hyperparameter("squeeze", "N", 0.0, 1e5, initial, "force with which each hand squeezes the box", within)
 
 
 def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:

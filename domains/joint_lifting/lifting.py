@@ -26,10 +26,19 @@ from hybrid_tamp.authoring import (
     Profile,
     State,
 )
-from hybrid_tamp.skills import STANDBY_GAP, advance, gaps_to_faces, make_pressing, profile_of, straight_profile
+from hybrid_tamp.skills import (
+    STANDBY_GAP,
+    advance,
+    gaps_to_faces,
+    make_pressing,
+    profile_of,
+    squeezing,
+    straight_profile,
+)
 
-from .bearing import bear, bearing_system, squeezing
+from .bearing import bear, bearing_system
 from .classes import Liftable
+from .load import largest_squeeze, squeeze_for
 from .places import FLOOR_TOLERANCE, Roles, height, places_of
 from .predicates import (
     AT_PLACE,
@@ -65,6 +74,13 @@ def usual_height(crew: str, binding: Binding, state: State) -> FloatArray:
     roles = Roles.of(crew, binding)
     room = np.min([room_above(state, hand, roles.thing, place) for hand, place in roles.hands], axis=0)
     return np.asarray(np.clip(room, LOWEST_LIFT, _USUAL))
+
+
+def _squeezes(crew: str, binding: Binding) -> tuple[float, float, float]:
+    """Return the limits of the squeeze [N]. The largest squeeze leaves the hands enough force to bear the box."""
+    roles = Roles.of(crew, binding)
+    largest = min(largest_squeeze(hand, roles.thing, crew) for hand, _ in roles.hands)
+    return 0.0, squeeze_for(roles.thing, crew), largest
 
 
 def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -140,7 +156,7 @@ def _together(
         entry=(before, *_at_places(crew), *_able(crew)),
         # A box moves straight up and down, so its feasibility facts do not change.
         keeps=(*FEASIBLE, OUTSIDE, *keeps),
-        hyperparameters=(squeezing(crew), *hyperparameters),
+        hyperparameters=(squeezing(partial(_squeezes, crew)), *hyperparameters),
         policy=partial(policy, crew, profile),
         system=partial(bearing_system, crew),
         **told,

@@ -2,19 +2,20 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, Kind, Parameter, SafetyFactor, State, Token
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, State, Token
 from hybrid_tamp.skills import (
     POSE,
     UP,
     StaticEndEffector,
     at_place,
+    bears_share,
     competence,
     gap_to_face,
     heavy_enough,
     in_body,
     length_predicate,
     outside,
-    physical_bound,
+    within_reach,
     z_axis,
 )
 
@@ -98,11 +99,10 @@ def _on_the_floor(state: State, hand: Token, thing: Token, place: str) -> FloatA
     return np.asarray(place_at(state, hand, thing, place) - height(state, thing)[..., None] * UP)
 
 
-def _reach(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smaller depth [m] of a hand in its workspace, for the box on the floor and for the lowest lift."""
-    lower, upper = np.asarray(hand["workspace_lower"]), np.asarray(hand["workspace_upper"])
+def _lowest_lift(state: State, hand: Token, thing: Token, place: str) -> list[FloatArray]:
+    """Return the positions ``(..., 3)`` [m] of a hand before and after the lowest lift of a box from the floor."""
     beside = _on_the_floor(state, hand, thing, place)
-    return np.asarray(np.minimum(beside - lower, upper - beside - LOWEST_LIFT * UP).min(axis=-1))
+    return [beside, beside + LOWEST_LIFT * UP]
 
 
 def _room(hand: Token, thing: Token, place: str) -> float:
@@ -118,10 +118,6 @@ def _grip(thing: Token) -> float:
 
 def _share(state: State, hand: Token, thing: Token, crew: str, factor: float) -> tuple[float, float]:
     return load(thing, crew), bearable(hand, thing, factor)
-
-
-def _strength(hand: Token, thing: Token, crew: str, factor: float) -> float:
-    return bearable(hand, thing, factor) - load(thing, crew)
 
 
 STANDS = length_predicate(
@@ -180,10 +176,10 @@ ON_SIDE = competence(
     denial="{hand} does not start on the {place} side of {object}",
 )
 """Each hand stays on its side and in its half of a box, because two hands that changed sides could collide."""
-WITHIN_REACH = competence(
+WITHIN_REACH = within_reach(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),
-    _reach,
+    _lowest_lift,
     reads={"object": POSE},
     description="the {place} of {object} is in the workspace of {hand} throughout the lowest lift",
     denial="the {place} of {object} leaves the workspace of {hand} even during the lowest lift",
@@ -195,18 +191,14 @@ FITS = competence(
     description="{hand} fits at the {place} of {object}",
     denial="{hand} does not fit at the {place} of {object}",
 )
-BEARS = physical_bound(
+BEARS = bears_share(
     "bears",
     (_HAND, _OBJECT, _CREW),
-    _strength,
-    unit="N",
-    scale=10.0,
+    _share,
+    RESERVE,
+    "ratio of the squeeze to the smallest squeeze without slip; covers acceleration and unequal shares",
     description="{hand}, as one of {crew}, can bear its share of the weight of {object} by friction",
     denial="{hand}, as one of {crew}, cannot bear its share of the weight of {object} by friction",
-    share=_share,
-    safety=SafetyFactor(
-        RESERVE, "ratio of the squeeze to the smallest squeeze without slip; covers acceleration and unequal shares"
-    ),
 )
 GRIPPABLE = competence(
     "grippable",

@@ -3,7 +3,15 @@
 import numpy as np
 
 from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, Predicate, State, Token
-from hybrid_tamp.skills import StaticEndEffector, competence, height_below, length_predicate, norm, one_by_one
+from hybrid_tamp.skills import (
+    StaticEndEffector,
+    competence,
+    heavy_enough,
+    height_below,
+    length_predicate,
+    norm,
+    one_by_one,
+)
 
 from .classes import Tumblable
 from .metrics import CONTROLLED
@@ -63,15 +71,7 @@ LARGE_ENOUGH = competence(
     description="{object} is large enough for {hand}, which fits between the floor and the leaning box",
     denial="{object} is too small for {hand}, which does not fit between the floor and the leaning box",
 )
-HEAVY_ENOUGH = competence(
-    "heavy_enough",
-    (_OBJECT,),
-    lambda thing: float(GRAVITY * thing["mass"]) - _LEAST_WEIGHT,
-    unit="N",
-    scale=0.1,
-    description="{object} is heavy enough for hands that tumble it",
-    denial="{object} is so light that hands would throw it instead of tumbling it",
-)
+HEAVY_ENOUGH = heavy_enough(Tumblable, _LEAST_WEIGHT, "tumble", "throw it instead of tumbling it")
 TURNS_SLOWLY = Predicate(
     "turns_slowly",
     (_OBJECT,),

@@ -5,40 +5,31 @@ line, passes the box on the side that is clear of the floor, and approaches the 
 hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
-from functools import partial
-
 import numpy as np
 
 from hybrid_tamp.authoring import (
     DMP,
     Binding,
-    Block,
     Commands,
     Duration,
     FloatArray,
     Hyperparameter,
     Hyperparameters,
-    Literal,
-    Movement,
     Parameters,
     Policy,
-    Profile,
-    Slot,
     State,
     Target,
 )
 from hybrid_tamp.skills import (
-    AT_REST,
     HORIZONTAL,
-    IN_WORKSPACE,
-    MOTION,
-    StaticEndEffector,
+    ReachGoal,
     Timetable,
+    Transit,
     advance,
     get_symbol,
     get_token,
     get_tokens,
-    hand_system,
+    make_reaching,
     position_servo,
     profile_of,
     straight_profile,
@@ -100,8 +91,8 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
     return _ASIDE * (off - back)[..., None], _ASIDE * (leaving - returning)[..., None]
 
 
-def _follow(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
-    hand = get_token(binding, "hand")
+def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
+    hand, profile = get_token(binding, "hand"), profile_of(primitive)
     curve = _curve(binding, start)
     duration = _time(curve, parameters.hyperparameters)
     planned = _place(binding, start)
@@ -128,67 +119,42 @@ def _follow(binding: Binding, start: State, parameters: Parameters, profile: Pro
     return policy
 
 
-def _reaching(
-    mode: str,
-    targets: tuple[Target, ...],
-    entry: tuple[Literal, ...],
-    arrived: tuple[Literal, ...],
-    lasting: tuple[Literal, ...],
-    shortest: float,
-    description: str,
-    primitive: DMP | None = None,
-) -> Block:
-    """Return one mode of REACHING. The primitive, by default `straight_movement`, moves the hand along its curve."""
-    profile = profile_of(primitive)
-    return Block(
-        name=f"REACHING:{mode}",
-        slots=(Slot("hand", StaticEndEffector),),
-        anchor="hand",
-        targets=targets,
-        entry=entry,
-        exit=(*arrived, AT_REST("hand")),
-        invariants=(IN_WORKSPACE("hand"), CLEAR_OF_FLOOR("hand"), *lasting),
-        writes={"hand": MOTION},
+REACH_BESIDE = make_reaching(
+    ReachGoal(
+        targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
+        position=_place,
+        entry=(
+            EXPOSED("face", "posture"),
+            POSTURE("object", "posture"),
+            ALIGNED("hand", "object", "face"),
+            ON_SIDE("hand", "object", "face", "posture"),
+            WITHIN_REACH("hand", "object"),
+            STRONG_ENOUGH("hand", "object"),
+            ROUGH_ENOUGH("hand", "object"),
+            LOW_ENOUGH("hand", "object"),
+            LARGE_ENOUGH("hand", "object"),
+            HEAVY_ENOUGH("object"),
+        ),
+        arrived=(AT_FACE("hand", "object", "face"),),
+        lasting=(CLEAR_OF_FLOOR("hand"), POSTURE("object", "posture")),
         # The curve is about a box, and boxes do not roll.
         keeps=(OUTSIDE,),
-        hyperparameters=(_SPEED,),
-        duration=Duration(shortest, 15.0),
-        hold=True,
-        policy=partial(_follow, profile=profile),
-        system=hand_system,
-        taught=partial(_reaching, mode, targets, entry, arrived, lasting, shortest, description),
-        movement=Movement("hand", "position", 1),
-        description=description,
-    )
-
-
-REACH_BESIDE = _reaching(
-    "beside",
-    (Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
-    (
-        EXPOSED("face", "posture"),
-        POSTURE("object", "posture"),
-        ALIGNED("hand", "object", "face"),
-        ON_SIDE("hand", "object", "face", "posture"),
-        WITHIN_REACH("hand", "object"),
-        STRONG_ENOUGH("hand", "object"),
-        ROUGH_ENOUGH("hand", "object"),
-        LOW_ENOUGH("hand", "object"),
-        LARGE_ENOUGH("hand", "object"),
-        HEAVY_ENOUGH("object"),
+        description="the hand moves around the box to a place at a face and stays there",
     ),
-    (AT_FACE("hand", "object", "face"),),
-    (POSTURE("object", "posture"),),
-    0.3,
-    "the hand moves around the box to a place at a face and stays there",
+    "beside",
+    transit=Transit(_follow, _SPEED, Duration(0.3, 15.0)),
 )
-REACH_AWAY = _reaching(
+REACH_AWAY = make_reaching(
+    ReachGoal(
+        # The reach uses only the initial position of the box, so the box may move during the reach.
+        targets=(Target("object", Tumblable, reads=()),),
+        position=_place,
+        entry=(WITHIN_REACH("hand", "object"),),
+        arrived=(),
+        lasting=(CLEAR_OF_FLOOR("hand"),),
+        keeps=(OUTSIDE,),
+        description="the hand releases the box and moves far enough away for the box to be lowered",
+    ),
     "away",
-    # The reach uses only the initial position of the box, so the box may move during the reach.
-    (Target("object", Tumblable, reads=()),),
-    (WITHIN_REACH("hand", "object"),),
-    (),
-    (),
-    _SHORTEST,
-    "the hand releases the box and moves far enough away for the box to be lowered",
+    transit=Transit(_follow, _SPEED, Duration(_SHORTEST, 15.0)),
 )

@@ -19,7 +19,6 @@ from hybrid_tamp.authoring import (
     GRAVITY,
     Binding,
     Block,
-    Commands,
     Duration,
     FloatArray,
     Hyperparameter,
@@ -37,15 +36,18 @@ from hybrid_tamp.skills import (
     IN_WORKSPACE,
     MOTION,
     UP,
+    Pressure,
     StaticEndEffector,
     dot,
     get_symbol,
+    get_token,
     get_tokens,
     hand_system,
     make_pressing,
     normal,
+    press,
     profile_of,
-    stay,
+    squeezing,
 )
 
 from .classes import Tumblable
@@ -98,39 +100,27 @@ def _squeezes(binding: Binding) -> tuple[float, float, float]:
     return squeeze_range(thing, get_symbol(binding, "near"), down, float(force))
 
 
-def _opposed(binding: Binding, state: State) -> FloatArray:
-    return np.asarray(_squeezes(binding)[1])
-
-
-def _opposed_range(binding: Binding) -> tuple[float, float]:
-    smallest, _, largest = _squeezes(binding)
-    return smallest, largest
-
-
-def _light(binding: Binding, state: State) -> FloatArray:
-    (thing,) = get_tokens(binding, "object")
-    return np.asarray(min(_LEAN_SQUEEZE, _LIGHT_SQUEEZE * GRAVITY * thing["mass"]))
+def _light(binding: Binding) -> tuple[float, float, float]:
+    """Return the smallest, usual and largest squeeze [N] to tilt the box from one hand over to the other hand."""
+    return 0.0, min(_LEAN_SQUEEZE, _LIGHT_SQUEEZE * GRAVITY * get_token(binding, "object")["mass"]), 500.0
 
 
 def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
     """Return the policy of a hand that stays in place and bears the box, which leans on the hand."""
     hand, thing = get_tokens(binding, "hand", "object")
-    face, posture = get_symbol(binding, "face"), get_symbol(binding, "posture")
-    down, forward = faces_of(posture)
-    weight = -GRAVITY * thing["mass"] * UP
-    servo = stay(binding, start, parameters, slot="hand")
+    face, edge = get_symbol(binding, "face"), faces_of(get_symbol(binding, "posture"))
+    weight, still = -GRAVITY * thing["mass"] * UP, np.asarray(0.0)
 
-    def policy(elapsed: FloatArray, state: State) -> Commands:
-        pivot, axis = edge_position(state, thing, down, forward), edge_axis(state, thing, down, forward)
+    def plan(elapsed: FloatArray, state: State) -> Pressure:
+        pivot, axis = edge_position(state, thing, *edge), edge_axis(state, thing, *edge)
         moment = dot(cross(state[thing, "position"] - pivot, weight), axis)
         outward = normal(state, thing, face)
         arm = dot(cross(state[hand, "position"] - pivot, outward), axis)
         # Without this force, the hand would sink until its servo bears the box.
         push = -outward * (np.maximum(moment, 0.0) / np.maximum(np.abs(arm), 1e-3))[..., None]
-        commands = servo(elapsed, state)
-        return {**commands, (hand.name, "force"): commands[hand.name, "force"] + push}
+        return Pressure(still, still, still, pivot=np.zeros(3), bearing=push)
 
-    return policy
+    return press([(hand, face)], thing, start, [still], still, plan)
 
 
 def _tipping(
@@ -164,26 +154,23 @@ def _tipping(
     )
 
 
-_SQUEEZE = Hyperparameter(
-    "squeeze", "N", 0.0, 1e5, _opposed, "force with which each hand squeezes the box", within=_opposed_range
-)
 TIPPING = (
     _tipping(
         "opposite",
         TIPS,
-        _SQUEEZE,
+        squeezing(_squeezes),
         "two hands on opposite sides tip the box onto an edge and hold the box there",
     ),
     _tipping(
         "lower",
         LOWERS,
-        _SQUEEZE,
+        squeezing(_squeezes),
         "two hands, one below and one above the box, lower the box onto its next face and hold the box",
     ),
     _tipping(
         "adjacent",
         LEANS,
-        Hyperparameter("squeeze", "N", 0.0, 500.0, _light, "force with which each hand pushes on its face"),
+        squeezing(_light),
         "two hands on the faces beside the edge tilt the box from one hand over to the other hand",
     ),
 )

@@ -2,19 +2,18 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, SafetyFactor, State, Token
+from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
 from hybrid_tamp.skills import (
     HAND_FRICTION,
     POSE,
     StaticEndEffector,
+    at_place,
+    bears_share,
     competence,
-    depth_in_workspace,
     dot,
-    largest_depth,
-    length_predicate,
-    near,
     normal,
     one_by_one,
+    within_reach,
     z_axis,
 )
 
@@ -68,17 +67,6 @@ def _share(state: State, hand: Token, thing: Token, factor: float) -> tuple[floa
     return strength_needed(state, hand, thing), float(hand["maximal_force"] / factor)
 
 
-def _strength(state: State, hand: Token, thing: Token, factor: float) -> FloatArray:
-    needed, borne = _share(state, hand, thing, factor)
-    return np.asarray(borne - needed)
-
-
-def _reach(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the smallest depth [m] of the hand in its workspace, over its places beside the box and above the box."""
-    places = _places(state, hand, thing)
-    return np.asarray(min((float(depth_in_workspace(hand, point)) for point in places), default=-1.0))
-
-
 def _places(state: State, hand: Token, thing: Token) -> list[FloatArray]:
     """Return the places [m] of a hand beside the box and above the box."""
     beside = [
@@ -87,14 +75,7 @@ def _places(state: State, hand: Token, thing: Token) -> list[FloatArray]:
         if abs(float(normal(state, thing, face)[2])) < _LYING
     ]
     diagonal = float(np.hypot(*sections(state, hand, thing)))
-    return [*beside, *(np.array([*point[:2], diagonal + hand["radius"]]) for point in beside)]
-
-
-def _largest_reach(state: State, radius: float, hand: Token, thing: Token) -> FloatArray:
-    """Return an upper bound of `_reach` for a box that is displaced by at most `radius` [m]."""
-    return np.asarray(
-        min((float(largest_depth(hand, point, radius)) for point in _places(state, hand, thing)), default=-1.0)
-    )
+    return [*beside, *(np.array([*place[:2], diagonal + hand["radius"]]) for place in beside)]
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -124,12 +105,11 @@ POSTURE = Predicate(
     description="{object} is in posture {posture}",
     denial="{object} is not in posture {posture}",
 )
-AT_FACE = length_predicate(
+AT_FACE = at_place(
     "at_face",
     (_HAND, _OBJECT, _FACE),
-    near(FACE_TOLERANCE, place_at),
-    reads={"hand": ("position",), "object": POSE},
-    kind=Kind.MAINTAINED,
+    FACE_TOLERANCE,
+    place_at,
     description="{hand} is at the {face} face of {object}",
     denial="{hand} is not at the {face} face of {object}",
 )
@@ -155,26 +135,23 @@ ON_SIDE = competence(
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
 """Each hand stays on its side of a box, because two hands that changed sides could collide above the box."""
-STRONG_ENOUGH = competence(
+STRONG_ENOUGH = bears_share(
     "strong_enough",
     (_HAND, _OBJECT),
-    one_by_one(_strength),
-    unit="N",
-    scale=10.0,
+    _share,
+    _RESERVE,
+    "ratio of the maximal force of a hand to the smallest force that tumbles the box; covers the squeeze",
+    competence=True,
     reads={"object": ("orientation",)},
     description="{hand} is strong enough to tumble {object} together with a second hand",
     denial="{object} is too heavy to be tumbled by {hand} and a second hand",
-    share=_share,
-    safety=SafetyFactor(
-        _RESERVE, "ratio of the maximal force of a hand to the smallest force that tumbles the box; covers the squeeze"
-    ),
 )
-WITHIN_REACH = competence(
+WITHIN_REACH = within_reach(
     "within_reach",
     (_HAND, _OBJECT),
-    one_by_one(_reach),
+    _places,
+    carried=True,
     reads={"object": POSE},
-    bound=_largest_reach,
     description="{hand} can reach its positions beside and above {object}",
     denial="{hand} cannot reach its positions beside and above {object} within its workspace",
 )

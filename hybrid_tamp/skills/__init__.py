@@ -1,6 +1,9 @@
 """Skills for authors of domains: classes, predicates, servos, motor primitives, and makers of blocks.
 
 This module only re-exports names. A domain imports skills from `hybrid_tamp.skills`, and everything else from
+`hybrid_tamp.authoring`.
+"""
+
 from hybrid_tamp.skills.assembly import derive_edges as derive_edges
 from hybrid_tamp.skills.assembly import find_classes as find_classes
 from hybrid_tamp.skills.assembly import find_predicates as find_predicates
@@ -41,11 +44,14 @@ from hybrid_tamp.skills.faces import gap_to_face as gap_to_face
 from hybrid_tamp.skills.faces import half_extent as half_extent
 from hybrid_tamp.skills.faces import normal as normal
 from hybrid_tamp.skills.faces import normals as normals
+from hybrid_tamp.skills.facts import bears_share as bears_share
+from hybrid_tamp.skills.facts import heavy_enough as heavy_enough
+from hybrid_tamp.skills.facts import within_reach as within_reach
 from hybrid_tamp.skills.grasping import make_grasping as make_grasping
 from hybrid_tamp.skills.grippers import Graspable as Graspable
 from hybrid_tamp.skills.grippers import Gripper as Gripper
-from hybrid_tamp.skills.gripping import Grip as Grip
 from hybrid_tamp.skills.gripping import HANDLE_ENDS as HANDLE_ENDS
+from hybrid_tamp.skills.gripping import Grip as Grip
 from hybrid_tamp.skills.gripping import gripping_system as gripping_system
 from hybrid_tamp.skills.gripping import standing as standing
 from hybrid_tamp.skills.gripping import stands_on as stands_on
@@ -81,7 +87,6 @@ from hybrid_tamp.skills.predicates import at_place as at_place
 from hybrid_tamp.skills.predicates import competence as competence
 from hybrid_tamp.skills.predicates import depth_in_region as depth_in_region
 from hybrid_tamp.skills.predicates import everywhere as everywhere
-from hybrid_tamp.skills.predicates import heavy_enough as heavy_enough
 from hybrid_tamp.skills.predicates import inside as inside
 from hybrid_tamp.skills.predicates import length_predicate as length_predicate
 from hybrid_tamp.skills.predicates import near as near
@@ -89,12 +94,13 @@ from hybrid_tamp.skills.predicates import one_by_one as one_by_one
 from hybrid_tamp.skills.predicates import outside as outside
 from hybrid_tamp.skills.predicates import physical_bound as physical_bound
 from hybrid_tamp.skills.pressing import HAND_FRICTION as HAND_FRICTION
-from hybrid_tamp.skills.pressing import Pressure as Pressure
 from hybrid_tamp.skills.pressing import TOUCHING_FORCE as TOUCHING_FORCE
+from hybrid_tamp.skills.pressing import Pressure as Pressure
 from hybrid_tamp.skills.pressing import gaps_to_faces as gaps_to_faces
 from hybrid_tamp.skills.pressing import make_pressing as make_pressing
 from hybrid_tamp.skills.pressing import meet_face as meet_face
 from hybrid_tamp.skills.pressing import press as press
+from hybrid_tamp.skills.pressing import squeezing as squeezing
 from hybrid_tamp.skills.primitives import advance as advance
 from hybrid_tamp.skills.primitives import demonstrated_reach as demonstrated_reach
 from hybrid_tamp.skills.primitives import move_straight as move_straight
@@ -102,10 +108,11 @@ from hybrid_tamp.skills.primitives import profile_of as profile_of
 from hybrid_tamp.skills.primitives import reach_over as reach_over
 from hybrid_tamp.skills.primitives import straight_profile as straight_profile
 from hybrid_tamp.skills.push_blocks import make_pushing as make_pushing
+from hybrid_tamp.skills.pushing import STANDOFF as STANDOFF
 from hybrid_tamp.skills.pushing import Push as Push
 from hybrid_tamp.skills.pushing import Resistance as Resistance
-from hybrid_tamp.skills.pushing import STANDOFF as STANDOFF
 from hybrid_tamp.skills.reaching import ReachGoal as ReachGoal
+from hybrid_tamp.skills.reaching import Transit as Transit
 from hybrid_tamp.skills.reaching import make_reaching as make_reaching
 from hybrid_tamp.skills.reaching import time_of_reach as time_of_reach
 from hybrid_tamp.skills.resting import RESTING as RESTING

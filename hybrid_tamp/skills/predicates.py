@@ -15,7 +15,6 @@ from hybrid_tamp.model.predicate import Parameter, Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.skills.classes import Region, StaticEndEffector
 from hybrid_tamp.skills.roles import POSE
 from hybrid_tamp.skills.vectors import depth_in_workspace, norm
@@ -112,26 +111,6 @@ def outside(movable: type[ObjectClass], gap: Callable[[State, Token, Token], Flo
         reads={"hand": POSE, "object": POSE},
         description="{hand} is outside {object}",
         denial="{hand} passes through {object}",
-    )
-
-
-def heavy_enough(movable: type[ObjectClass], least: float, verb: str, instead: str) -> Predicate:
-    """Return the feasibility fact `heavy_enough` (object): the errors of the hands do not decide how an object moves.
-
-    Args:
-        movable: class of the object.
-        least: smallest weight of the object [N].
-        verb: what hands do with the object, e.g. ``"lift"``.
-        instead: what hands would do with a lighter object, e.g. ``"tilt it instead of lifting it"``.
-    """
-    return competence(
-        "heavy_enough",
-        (Parameter("object", movable),),
-        lambda thing: float(GRAVITY * thing["mass"]) - least,
-        unit="N",
-        scale=least,
-        description=f"{{object}} is heavy enough for hands that {verb} it",
-        denial=f"{{object}} is so light that hands would {instead}",
     )
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import FLOOR, Block, Slot
-from hybrid_tamp.model.control import Commands, Policy
-from hybrid_tamp.model.predicate import Literal, Predicate
+from hybrid_tamp.model.control import Commands, Hyperparameter, Policy
+from hybrid_tamp.model.predicate import Binding, Literal, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -144,6 +144,23 @@ def meet_face(
         dt: time step [s].
     """
     return stop_at_face(driven_velocity(hand, state, commands, dt), outward, gap, dt), np.asarray(gap <= _TOUCH)
+
+
+def squeezing(limits: Callable[[Binding], tuple[float, float, float]]) -> Hyperparameter:
+    """Return the hyperparameter ``squeeze`` of hands that press on an object.
+
+    Args:
+        limits: ``limits(binding)`` returns the smallest squeeze, the initial value and the largest squeeze [N].
+    """
+
+    def initial(binding: Binding, state: State) -> FloatArray:
+        return np.asarray(limits(binding)[1])
+
+    def within(binding: Binding) -> tuple[float, float]:
+        smallest, _, largest = limits(binding)
+        return smallest, largest
+
+    return Hyperparameter("squeeze", "N", 0.0, 1e5, initial, "force with which each hand presses on its face", within)
 
 
 def make_pressing(

@@ -43,6 +43,7 @@ class ReachGoal:
         arrived: conditions that must hold when the reach ends.
         hand_class: capability class that a hand needs for the reach.
         keeps: predicates whose truth the reach does not change, although their margins read the hand's position.
+        description: description of the block in one line.
     """
 
     targets: tuple[Target, ...]
@@ -52,6 +53,23 @@ class ReachGoal:
     lasting: tuple[Literal, ...] = ()
     hand_class: type[StaticEndEffector] = StaticEndEffector
     keeps: tuple[Predicate, ...] = ()
+    description: str = "the hand moves along a curve to a place beside the object and stays there"
+
+
+@dataclass(frozen=True)
+class Transit:
+    """How a hand moves to the goal of a reach along a path of its own.
+
+    Attributes:
+        follow: ``follow(primitive, binding, start, parameters)`` returns the policy. The primitive is one-dimensional
+            and generates the travelled share of the path. None stands for `straight_movement`.
+        speed: hyperparameter of the movement.
+        duration: bounds of the duration.
+    """
+
+    follow: Callable[[DMP | None, Binding, State, Parameters], Policy]
+    speed: Hyperparameter
+    duration: Duration
 
 
 def time_of_reach(
@@ -87,13 +105,17 @@ def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: Sta
     return policy
 
 
-def make_reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None) -> Block:
+def make_reaching(
+    goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None, transit: Transit | None = None
+) -> Block:
     """Return the block REACHING for one kind of goal.
 
     Args:
         goal: the goal of the reach.
         mode: name of the mode, or None if REACHING has no modes.
         primitive: three-dimensional motor primitive of the movement. The default is `demonstrated_reach`.
+        transit: movement along a path, with a one-dimensional primitive. None stands for a movement that the
+            three-dimensional primitive generates.
     """
 
     def distance(binding: Binding, state: State) -> FloatArray:
@@ -104,6 +126,9 @@ def make_reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | Non
         return state.replace({(get_token(binding, "hand").name, "position"): goal.position(binding, state)})
 
     chosen, duration = time_of_reach(distance, 0.8, _SETTLING)
+    follow = partial(_follow, goal, primitive)
+    if transit is not None:
+        chosen, duration, follow = transit.speed, transit.duration, partial(transit.follow, primitive)
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
         slots=(Slot("hand", goal.hand_class),),
@@ -117,10 +142,10 @@ def make_reaching(goal: ReachGoal, mode: str | None = None, primitive: DMP | Non
         hyperparameters=(chosen,),
         duration=duration,
         hold=True,
-        policy=partial(_follow, goal, primitive),
+        policy=follow,
         system=hand_system,
-        taught=lambda other: make_reaching(goal, mode, other),
-        movement=Movement("hand", "position", 3),
-        outcome=outcome,
-        description="the hand moves along a curve to a place beside the object and stays there",
+        taught=lambda other: make_reaching(goal, mode, other, transit),
+        movement=Movement("hand", "position", 3 if transit is None else 1),
+        outcome=outcome if transit is None else None,
+        description=goal.description,
     )
