@@ -82,18 +82,8 @@ def make_pushing(
     """
     sorts = (StaticEndEffector, thing, *(target.sort for target in targets))
     roles = _Roles(("hand", "object", *(target.name for target in targets)), sorts)
-    behind, chosen = _behind(push, roles), {each.name: each for each in hyperparameters}
-    if facts is None:
-        facts = (_able(push, roles)(*roles.names), _room(push, roles)(*roles.names))
-    facts = (*facts, *feasible)
-    reach = ReachGoal(
-        targets=(Target("object", thing), *targets),
-        position=push.standby,
-        entry=(*facts, AT_REST("object")),
-        arrived=(behind(*roles.names), IN_WORKSPACE("hand")),
-        lasting=(AT_REST("object"), *lasting),
-        keeps=keeps[0],
-    )
+    behind = _behind(push, roles)
+    facts = (*(_facts(push, roles) if facts is None else facts), *feasible)
     pushing = Block(
         name=name,
         slots=(Slot("hand", StaticEndEffector), Slot("object", thing)),
@@ -105,23 +95,49 @@ def make_pushing(
         writes={"hand": MOTION, "object": BODY},
         keeps=keeps[1],
         allowed_contacts=(("hand", "object"), *contacts),
-        hyperparameters=tuple(chosen.get(each.name, each) for each in _hyperparameters(push)),
+        hyperparameters=_hyperparameters(push, hyperparameters),
         duration=Duration(0.2, 40.0),
         policy=push.policy,
         system=push.system,
         description=description,
     )
-    return make_reaching(reach, "behind"), pushing
+    reached = (Target("object", thing), *targets)
+    return _reach_behind(push, reached, facts, behind(*roles.names), lasting, keeps[0]), pushing
 
 
-def _hyperparameters(push: Push) -> tuple[Hyperparameter, ...]:
-    return (
+def _reach_behind(
+    push: Push,
+    targets: tuple[Target, ...],
+    facts: tuple[Literal, ...],
+    behind: Literal,
+    lasting: tuple[Literal, ...],
+    keeps: tuple[Predicate, ...],
+) -> Block:
+    goal = ReachGoal(
+        targets=targets,
+        position=push.standby,
+        entry=(*facts, AT_REST("object")),
+        arrived=(behind, IN_WORKSPACE("hand")),
+        lasting=(AT_REST("object"), *lasting),
+        keeps=keeps,
+    )
+    return make_reaching(goal, "behind")
+
+
+def _hyperparameters(push: Push, replaced: Iterable[Hyperparameter]) -> tuple[Hyperparameter, ...]:
+    chosen = (
         Hyperparameter("distance", "m", 0.0, 10.0, lambda b, s: push.line(b, s)[1], "distance of the push"),
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(_SPEED), "largest speed"),
         Hyperparameter(
             "deceleration", "m/s^2", 0.02, 1.0, lambda b, s: np.asarray(_DECELERATION), "final deceleration"
         ),
     )
+    return tuple({each.name: each for each in (*chosen, *replaced)}.values())
+
+
+def _facts(push: Push, roles: _Roles) -> tuple[Literal, ...]:
+    """Return the conditions that the hand is strong enough and stays in its workspace."""
+    return _able(push, roles)(*roles.names), _room(push, roles)(*roles.names)
 
 
 def _behind(push: Push, roles: _Roles) -> Predicate:
