@@ -78,6 +78,8 @@ from .turning_model import turning_system
 
 _LEAN_SQUEEZE = 25.0
 """Largest default squeeze [N] of hands that tilt a box from one hand over to the other hand."""
+_MOST = 500.0
+"""Largest squeeze [N] of these hands."""
 _LIGHT_SQUEEZE = 0.25
 """Ratio of this squeeze to the weight of a light box, which a larger squeeze would throw when a hand lets go."""
 _AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "far"))
@@ -102,7 +104,7 @@ def _squeezes(binding: Binding) -> tuple[float, float, float]:
 
 def _light(binding: Binding) -> tuple[float, float, float]:
     """Return the smallest, usual and largest squeeze [N] to tilt the box from one hand over to the other hand."""
-    return 0.0, min(_LEAN_SQUEEZE, _LIGHT_SQUEEZE * GRAVITY * get_token(binding, "object")["mass"]), 500.0
+    return 0.0, min(_LEAN_SQUEEZE, _LIGHT_SQUEEZE * GRAVITY * get_token(binding, "object")["mass"]), _MOST
 
 
 def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -170,7 +172,7 @@ TIPPING = (
     _tipping(
         "adjacent",
         LEANS,
-        squeezing(_light),
+        squeezing(_light, _MOST),
         "two hands on the faces beside the edge tilt the box from one hand over to the other hand",
     ),
 )

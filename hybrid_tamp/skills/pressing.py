@@ -146,11 +146,12 @@ def meet_face(
     return stop_at_face(driven_velocity(hand, state, commands, dt), outward, gap, dt), np.asarray(gap <= _TOUCH)
 
 
-def squeezing(limits: Callable[[Binding], tuple[float, float, float]]) -> Hyperparameter:
+def squeezing(limits: Callable[[Binding], tuple[float, float, float]], most: float = 1e5) -> Hyperparameter:
     """Return the hyperparameter ``squeeze`` of hands that press on an object.
 
     Args:
         limits: ``limits(binding)`` returns the smallest squeeze, the initial value and the largest squeeze [N].
+        most: upper bound of the squeeze for all bindings [N].
     """
 
     def initial(binding: Binding, state: State) -> FloatArray:
@@ -160,7 +161,7 @@ def squeezing(limits: Callable[[Binding], tuple[float, float, float]]) -> Hyperp
         smallest, _, largest = limits(binding)
         return smallest, largest
 
-    return Hyperparameter("squeeze", "N", 0.0, 1e5, initial, "force with which each hand presses on its face", within)
+    return Hyperparameter("squeeze", "N", 0.0, most, initial, "force with which each hand presses on its face", within)
 
 
 def make_pressing(
