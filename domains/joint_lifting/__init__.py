@@ -8,11 +8,10 @@ from collections.abc import Iterator
 
 from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwork, State, Target
 from hybrid_tamp.skills import (
-    AT_REST,
-    IN_WORKSPACE,
     RESTING,
     ReachGoal,
-    StaticEndEffector,
+    find_classes,
+    find_predicates,
     get_symbol,
     get_tokens,
     make_reaching,
@@ -22,7 +21,7 @@ from .classes import Liftable
 from .lifting import BEARING, MODES
 from .metrics import CONTROLLED, metrics
 from .places import PLACE, place_at, places_of
-from .predicates import AT_PLACE, FITS, ON_SIDE, OUTSIDE, PREDICATES, STANDS, UPRIGHT, WITHIN_REACH
+from .predicates import AT_PLACE, FITS, ON_SIDE, OUTSIDE, STANDS, UPRIGHT, WITHIN_REACH
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -64,8 +63,8 @@ _BLOCKS = (make_reaching(_BESIDE, "place"), *BEARING, RESTING)
 
 DOMAIN = Domain(
     name="joint_lifting",
-    classes=(StaticEndEffector, Liftable),
-    predicates=(AT_REST, IN_WORKSPACE, *PREDICATES),
+    classes=find_classes(_BLOCKS),
+    predicates=find_predicates(_BLOCKS),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),
     metrics=metrics,

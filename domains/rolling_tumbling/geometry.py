@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid_tamp.authoring import Cylinder, FloatArray, State, Token, cross, rotate
-from hybrid_tamp.skills import UP, dot, norm
+from hybrid_tamp.skills import UP, dot, norm, unit
 
 FLOOR_CLEARANCE = 0.01
 """Smallest gap between a hand and the floor [m]."""
@@ -19,10 +19,8 @@ def axis(state: State, thing: Token) -> FloatArray:
 
 def heading(state: State, thing: Token) -> FloatArray:
     """Return the horizontal unit vector ``(..., 3)`` along which an object rolls, with an arbitrary sign."""
-    across = cross(axis(state, thing), UP)
-    length = norm(across)[..., None]
-    # If the axis is vertical, LIES_ON_SIDE does not hold, but the result must stay finite.
-    return np.where(length > 1e-9, across / np.maximum(length, 1e-9), np.array([1.0, 0.0, 0.0]))
+    # If the axis is vertical, LIES_ON_SIDE does not hold.
+    return unit(cross(axis(state, thing), UP))
 
 
 def way(state: State, thing: Token, region: Token) -> tuple[FloatArray, FloatArray]:

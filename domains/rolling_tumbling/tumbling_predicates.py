@@ -195,4 +195,3 @@ EXPOSED = Predicate.relation(
     denial="no hand can be placed at the {face} face of a box in posture {posture}",
 )
 FEASIBLE_TUMBLING = (ALIGNED, ON_SIDE, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
-TUMBLING_PREDICATES = (POSTURE, AT_FACE, *FEASIBLE_TUMBLING, TIPS, LOWERS, LEANS, HOLDS, EXPOSED)

@@ -14,7 +14,6 @@ from hybrid_tamp_domains.joint_lifting.predicates import (
     FEASIBLE,
     FITS,
     ON_SIDE,
-    PREDICATES,
     UPRIGHT,
     WITHIN_REACH,
     room_above,
@@ -190,7 +189,7 @@ def test_a_lifted_box_is_as_near_as_on_the_floor() -> None:
 
 def test_margins_take_a_whole_population_at_once() -> None:
     task = lifting("four")
-    for predicate in PREDICATES:
+    for predicate in task.domain.predicates:
         values = [task.values_of(parameter.sort)[0] for parameter in predicate.parameters]
         margins = predicate.evaluate(task.state.repeated(3), *values)
         assert margins.shape == (3,), predicate

@@ -18,7 +18,7 @@ from hybrid_tamp_domains.rolling_tumbling.faces import (
 )
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import edge_axis, lowest_point, nominal_tilt
-from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import POSTURE, TUMBLING_PREDICATES
+from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import POSTURE
 from pydantic import ValidationError
 from random_tasks.tumbling import forced_push, random_tumbling
 
@@ -171,7 +171,9 @@ def test_a_hand_that_is_not_parallel_to_an_edge_is_not_aligned() -> None:
 
 def test_margins_take_a_whole_population_at_once() -> None:
     many = TASK.state.repeated(3)
-    for predicate in TUMBLING_PREDICATES:
+    predicates = [each for each in DOMAIN.predicates if all(TASK.values_of(p.sort) for p in each.parameters)]
+    assert {"posture", "at_face", "strong_enough", "tips", "rough_enough"} <= {each.name for each in predicates}
+    for predicate in predicates:
         values = [TASK.values_of(parameter.sort)[0] for parameter in predicate.parameters]
         margins = predicate.evaluate(many, *values)
         assert margins.shape == (3,), predicate

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
-from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import TUMBLING_PREDICATES
 from scenes import rolling_task
 from validation import val_accepts, val_accepts_files
 
@@ -19,6 +18,7 @@ from hybrid_tamp.model.network import ReassignmentNetwork
 from hybrid_tamp.model.task import Limits, Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.skills import find_predicates
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.engines.registry import with_java
@@ -32,7 +32,7 @@ ROLLING_ONLY = replace(
     DOMAIN,
     classes=tuple(c for c in DOMAIN.classes if c is not Tumblable),
     disjoint=DOMAIN.disjoint[:1],
-    predicates=tuple(p for p in DOMAIN.predicates if p not in TUMBLING_PREDICATES),
+    predicates=find_predicates(_BLOCKS),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(
         (".".join(one), ".".join(other)) for one, other in DOMAIN.network.edges if {one, other} <= _SLOTS
