@@ -62,6 +62,7 @@ from hybrid_tamp.skills.handles import handle_length as handle_length
 from hybrid_tamp.skills.handles import heading as heading
 from hybrid_tamp.skills.handles import lean as lean
 from hybrid_tamp.skills.handles import location_on_handle as location_on_handle
+from hybrid_tamp.skills.handles import lowest_grasp as lowest_grasp
 from hybrid_tamp.skills.handles import off_handle as off_handle
 from hybrid_tamp.skills.handles import on_handle as on_handle
 from hybrid_tamp.skills.handles import side as side

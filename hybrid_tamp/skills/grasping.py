@@ -12,12 +12,13 @@ from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.gripping import Grip, gripping_system
-from hybrid_tamp.skills.handles import beside_handle, handle_length, location_on_handle, on_handle
+from hybrid_tamp.skills.handles import beside_handle, handle_length, location_on_handle, lowest_grasp, on_handle
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
 from hybrid_tamp.skills.primitives import move_straight
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
-from hybrid_tamp.skills.roles import MOTION, get_token, get_tokens
+from hybrid_tamp.skills.roles import MOTION, get_tokens
 from hybrid_tamp.skills.servos import hand_servo
 from hybrid_tamp.skills.timetable import Timetable
 from hybrid_tamp.skills.vectors import point
@@ -100,10 +101,14 @@ def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
 
 def _grasp_location(role: str) -> Hyperparameter:
     def middle(binding: Binding, state: State) -> FloatArray:
-        return np.asarray(handle_length(get_token(binding, role)) / 2)
+        """Return the middle of the handle, or a higher place if the middle is too low for the hand."""
+        hand, thing = get_tokens(binding, "hand", role)
+        return np.maximum(handle_length(thing) / 2, lowest_grasp(thing, height_below(state, hand)))
 
     def bounds(binding: Binding) -> tuple[float, float]:
-        return 0.0, handle_length(get_token(binding, role))
+        hand, thing = get_tokens(binding, "hand", role)
+        lowest = float(lowest_grasp(thing, min(hand["radius"], hand["length"] / 2)))
+        return min(max(0.0, lowest), handle_length(thing)), handle_length(thing)
 
     description = "distance of the grasp from handle_to, along the handle"
     return Hyperparameter("grasp_location", "m", 0.0, 100.0, middle, description, bounds)

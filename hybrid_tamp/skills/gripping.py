@@ -17,7 +17,15 @@ from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.skills.classes import Surface
 from hybrid_tamp.skills.extents import depth_over, top_of
 from hybrid_tamp.skills.grippers import Graspable, Gripper
-from hybrid_tamp.skills.handles import beside_handle, lean, off_handle, side, standing_height
+from hybrid_tamp.skills.handles import (
+    beside_handle,
+    handle_length,
+    lean,
+    lowest_grasp,
+    off_handle,
+    side,
+    standing_height,
+)
 from hybrid_tamp.skills.predicates import competence, length_predicate, near, physical_bound
 from hybrid_tamp.skills.roles import POSE, get_tokens
 from hybrid_tamp.skills.servos import hand_system
@@ -50,7 +58,7 @@ class Grip:
     @property
     def facts(self) -> tuple[Literal, ...]:
         """The feasibility facts of every grasp."""
-        found = (self.liftable, self.wide_enough, self.handle_within_reach)
+        found = (self.liftable, self.wide_enough, self.high_enough, self.handle_within_reach)
         return tuple(fact("hand", self.role) for fact in found)
 
     @cached_property
@@ -118,6 +126,19 @@ class Grip:
             lambda hand, thing: float(_OPEN * hand["maximal_aperture"] - thing["handle_width"]),
             description=self._say("{hand} can open wide enough for the handle of {object}"),
             denial=self._say("the handle of {object} is too wide for {hand}"),
+        )
+
+    @cached_property
+    def high_enough(self) -> Predicate:
+        """``high_enough`` (hand, object): there is room for a level hand below the upper end of the handle."""
+        return competence(
+            "high_enough",
+            self._both,
+            lambda hand, thing: float(
+                handle_length(thing) - lowest_grasp(thing, min(hand["radius"], hand["length"] / 2))
+            ),
+            description=self._say("the handle of {object} is high enough for {hand}"),
+            denial=self._say("the handle of {object} is too low for {hand}, which would touch what {object} stands on"),
         )
 
     @cached_property
@@ -204,6 +225,11 @@ def _lift(hand: Token, thing: Token, factor: float) -> float:
     weight = factor * GRAVITY * thing["mass"]
     along = grip_limits(hand, thing, hand["maximal_grip"])[0]
     return float(min(along, hand["maximal_force"]) - weight)
+
+
+def _room(hand: Token, thing: Token) -> float:
+    least = min(hand["radius"], hand["length"] / 2)
+    return float(handle_length(thing) - lowest_grasp(thing, least))
 
 
 def _reach_of_handle(state: State, hand: Token, thing: Token) -> FloatArray:

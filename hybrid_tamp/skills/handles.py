@@ -22,6 +22,10 @@ _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
 """Indices and signs of the components in the cross product of a vector and `UP`."""
 
 
+_CLEARANCE = 0.005
+"""Smallest gap between a hand on a handle and the surface on which the object stands [m]."""
+
+
 def hand_in(state: State, hand: Token, thing: Token) -> FloatArray:
     """Return the position ``(..., 3)`` [m] of a hand's centre in the body frame of an object."""
     return in_body(state, thing, state[hand, "position"])
@@ -90,3 +94,13 @@ def attitude(direction: FloatArray | float, angle: FloatArray | float) -> FloatA
 def standing_height(thing: Token) -> float:
     """Return the height [m] of the centre of mass of an object that stands, above the surface below."""
     return reach_along(thing, _X)
+
+
+def lowest_grasp(thing: Token, below: FloatArray | float) -> FloatArray:
+    """Return the distance ``(...)`` [m] from ``handle_to`` beyond which a hand is clear of what the object stands on.
+
+    Args:
+        thing: the object.
+        below: extent ``(...)`` [m] of the hand below its centre.
+    """
+    return np.asarray(below + _CLEARANCE - standing_height(thing) + thing["handle_to"][0])

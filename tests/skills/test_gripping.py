@@ -8,6 +8,7 @@ import pytest
 
 import hybrid_tamp
 from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.skills import (
     HeldBody,
@@ -107,3 +108,16 @@ def test_a_place_out_of_reach_is_refused_before_the_search() -> None:
     outcome = hybrid_tamp.plan(far)
     assert outcome.failure is not None
     assert "hand cannot bring mug to its goal without leaving the workspace of the hand" in str(outcome.failure.message)
+
+
+@pytest.mark.parametrize(("low", "high", "failing"), [(0.01, 0.03, True), (0.01, 0.05, False)])
+def test_a_hand_grasps_a_low_handle_high_enough_or_not_at_all(low: float, high: float, failing: bool) -> None:
+    up = standing_height(MUG) - low
+    ends = {"handle_to": (up, 0.0, 0.0673), "handle_from": (up - (high - low), 0.0, 0.0673)}
+    mug = Token.make("mug", list(MUG.classes), {**MUG.properties, **ends}, MUG.shape)
+    block, binding = TASK.domain.block_by_name["GRASPING"], {"hand": HAND, "object": mug, "surface": SHELF}
+    margin = float(TASK.domain.predicate_by_name["high_enough"].margin(TASK.state, HAND, mug))
+    assert (margin < 0.0) == failing
+    assert margin == pytest.approx(high - HAND["radius"] - 0.005, abs=1e-9)
+    chosen = float(block.initial_values(binding, TASK.state)["grasp_location"])
+    assert low + chosen == pytest.approx(min(high, HAND["radius"] + 0.005), abs=1e-9)
