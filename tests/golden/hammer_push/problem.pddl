@@ -20,6 +20,7 @@
     (firm_enough hand hammer block)
     (handle_within_reach hand hammer)
     (held hammer no-hand-of-held)
+    (high_enough hand hammer)
     (home hammer rack)
     (idle)
     (in-resting block)

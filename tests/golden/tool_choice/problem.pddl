@@ -27,6 +27,8 @@
     (handle_within_reach hand mallet)
     (held hammer no-hand-of-held)
     (held mallet no-hand-of-held)
+    (high_enough hand hammer)
+    (high_enough hand mallet)
     (home hammer rack)
     (idle)
     (in-resting block)
