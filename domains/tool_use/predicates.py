@@ -3,7 +3,7 @@
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
-from hybrid_tamp.skills import POSE, Graspable, Grip, Region, inside, lean, length_predicate, norm, standing, yaw
+from hybrid_tamp.skills import POSE, Graspable, Grip, Region, inside, lean, length_predicate, norm, stands, yaw
 
 from .classes import DexterousHand, Pushable, Pusher, Strikable, Striker
 from .geometry import LEVEL, RAISED, push_pose, strike_place, top
@@ -50,14 +50,7 @@ def _impulse(state: State, thing: Token) -> FloatArray:
 
 
 INSIDE = inside(Pushable)
-STANDS = length_predicate(
-    "stands",
-    (TOOL,),
-    standing,
-    reads={"tool": POSE},
-    description="{tool} stands on its head",
-    denial="{tool} does not stand on its head",
-)
+STANDS = stands(Graspable, "tool", description="{tool} stands on its head", denial="{tool} does not stand on its head")
 IN_PUSH_STANCE = length_predicate(
     "in_push_stance",
     (Parameter("tool", Pusher), _PUSHED, _REGION),

@@ -53,8 +53,6 @@ from hybrid_tamp.skills.grippers import Gripper as Gripper
 from hybrid_tamp.skills.gripping import HANDLE_ENDS as HANDLE_ENDS
 from hybrid_tamp.skills.gripping import Grip as Grip
 from hybrid_tamp.skills.gripping import gripping_system as gripping_system
-from hybrid_tamp.skills.gripping import standing as standing
-from hybrid_tamp.skills.gripping import stands_on as stands_on
 from hybrid_tamp.skills.handles import attitude as attitude
 from hybrid_tamp.skills.handles import beside_handle as beside_handle
 from hybrid_tamp.skills.handles import hand_in as hand_in
@@ -137,6 +135,9 @@ from hybrid_tamp.skills.servos import turn_between as turn_between
 from hybrid_tamp.skills.servos import turning_rate as turning_rate
 from hybrid_tamp.skills.sliding import lies_on as lies_on
 from hybrid_tamp.skills.sliding import make_sliding as make_sliding
+from hybrid_tamp.skills.standing import standing as standing
+from hybrid_tamp.skills.standing import stands as stands
+from hybrid_tamp.skills.standing import stands_on as stands_on
 from hybrid_tamp.skills.steering import steer as steer
 from hybrid_tamp.skills.timetable import Reference as Reference
 from hybrid_tamp.skills.timetable import Timetable as Timetable

@@ -14,17 +14,12 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
-from hybrid_tamp.skills.classes import Surface
-from hybrid_tamp.skills.extents import depth_over, top_of
 from hybrid_tamp.skills.grippers import Graspable, Gripper
 from hybrid_tamp.skills.handles import (
     beside_handle,
     handle_length,
-    lean,
     lowest_grasp,
     off_handle,
-    side,
-    standing_height,
 )
 from hybrid_tamp.skills.predicates import competence, length_predicate, near, physical_bound
 from hybrid_tamp.skills.roles import POSE, get_tokens
@@ -35,8 +30,6 @@ _OPEN = 0.7
 """Smallest ratio of the gap between an empty hand's fingers to the largest gap."""
 _FINGER_TOLERANCE = 1e-4
 _BESIDE_TOLERANCE = 0.02
-_FOOT_TOLERANCE = 0.005
-_TILT_TOLERANCE = np.radians(5.0)
 HANDLE_ENDS = ("handle_from", "handle_to")
 """Names of the properties for the ends of a handle."""
 
@@ -159,37 +152,6 @@ class Grip:
 
     def _say(self, sentence: str) -> str:
         return sentence.replace("{object}", "{" + self.role + "}")
-
-
-def stands_on(thing: type[Graspable], role: str = "object") -> Predicate:
-    """Return the predicate `stands_on` (object, surface): an object stands upright on the top of a surface.
-
-    An object stands on at most one surface at a time.
-    """
-
-    def margin(state: State, thing: Token, surface: Token) -> FloatArray:
-        """Return the smallest margin [m] of the attitude, of the height, and of the depth within the outline."""
-        upright = standing(state, thing, top_of(state, surface))
-        return np.asarray(np.minimum(upright, depth_over(state, thing, surface)))
-
-    return length_predicate(
-        "stands_on",
-        (Parameter(role, thing), Parameter("surface", Surface)),
-        margin,
-        reads={role: POSE, "surface": POSE},
-        kind=Kind.FUNCTIONAL,
-        value_of="surface",
-        description=f"{{{role}}} stands on {{surface}}",
-        denial=f"{{{role}}} does not stand on {{surface}}",
-    )
-
-
-def standing(state: State, thing: Token, ground: FloatArray | float = 0.0) -> FloatArray:
-    """Return a margin ``(...)`` [m] that is positive if an object stands upright on a ground of a height [m]."""
-    upright = _TILT_TOLERANCE - np.abs(lean(state, thing))
-    level = _TILT_TOLERANCE - np.abs(side(state, thing)[..., 2])
-    height = _FOOT_TOLERANCE - np.abs(state[thing, "position"][..., 2] - ground - standing_height(thing))
-    return np.asarray(np.minimum(np.minimum(upright, level) * _FOOT_TOLERANCE / _TILT_TOLERANCE, height))
 
 
 def gripping_system(role: str) -> SystemMaker:
