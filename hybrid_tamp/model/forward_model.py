@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Hyperparameters, Parameters
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.shapes import check_commands, check_shape, sizes_of
 from hybrid_tamp.model.state import State
@@ -75,10 +75,10 @@ class ForwardModel:
         return self._view.update(state, after), commands, finite
 
 
-_STILL = 1e-9
+STILL = 1e-9
 """Largest change of a property in a time step at which a state is still, in SI units."""
-_STILL_STEPS = 240
-"""Number of still time steps after which a rollout may end, because the exit conditions will not be reached."""
+STILL_STEPS = 240
+"""Number of still time steps after which a rollout ends, because the exit conditions will not be reached."""
 
 
 def roll_out(
@@ -88,10 +88,10 @@ def roll_out(
     longest: float,
     dt: float = CONTROL_PERIOD,
     every: int = 1,
-    hyperparameters: Hyperparameters | None = None,
-    until_still: bool = False,
 ) -> list[State]:
-    """Simulate a block until its exit conditions hold.
+    """Simulate a block with the initial values of its hyperparameters until its exit conditions hold.
+
+    The simulation also ends if nothing has moved for many time steps.
 
     Args:
         block: block to simulate.
@@ -100,23 +100,19 @@ def roll_out(
         longest: largest simulated time [s].
         dt: time step [s].
         every: number of steps between two checks of the exit conditions.
-        hyperparameters: values of the hyperparameters. None means their initial values.
-        until_still: whether the simulation also ends when nothing has moved for many steps.
 
     Returns:
         The initial state and the state after each step.
     """
-    chosen = block.initial_values(binding, start) if hyperparameters is None else hyperparameters
-    model = ForwardModel(block, binding, start, Parameters({name: np.asarray(chosen[name]) for name in chosen}))
+    model = ForwardModel(block, binding, start, Parameters(block.initial_values(binding, start)))
     states, still = [start], 0
     while (elapsed := (len(states) - 1) * dt) < longest:
         if len(states) % every == 0 and elapsed >= block.duration.minimum and _done(block, binding, states[-1]):
             break
         states.append(model.step(np.float64(elapsed), states[-1], dt)[0])
-        if until_still:
-            still = still + 1 if np.abs(states[-1].values - states[-2].values).max() < _STILL else 0
-            if still >= _STILL_STEPS and elapsed >= block.duration.minimum:
-                break
+        still = still + 1 if np.abs(states[-1].values - states[-2].values).max() < STILL else 0
+        if still >= STILL_STEPS and elapsed >= block.duration.minimum:
+            break
     return states
 
 

@@ -61,15 +61,20 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
     # A goal that crowds a place is impossible. A task file without another goal is refused.
     alternatives = [each for each in task.alternatives() if each.crowding() is None] or list(task.alternatives())
     if len(alternatives) == 1:
-        only = alternatives[0]
-        return _plan_whereabouts(only, planner, deadline, _plan(Search(only, planner, deadline), relax))
+        return _plan_one(alternatives[0], planner, deadline, relax)
     return _plan_alternatives(alternatives, planner, deadline)
 
 
-def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: SearchResult) -> SearchResult:
+def _plan_one(task: Task, planner: Planner, deadline: Deadline, relax: bool) -> SearchResult:
+    """Plan a task whose goal leaves no choice."""
+    search = Search(task, planner, deadline)
+    return _plan_whereabouts(search, _plan(search, relax))
+
+
+def _plan_whereabouts(search: Search, result: SearchResult) -> SearchResult:
     """Plan a task with the whereabouts of its tokens if it has no plan with the feasibility facts of its initial state.
 
-    The search with these facts gave `result`. It is returned if it is a plan, or if no block changes a pose of a fact.
+    `search`, with these facts, gave `result`. It is returned if it is a plan, or if no block changes a pose of a fact.
 
     Facts at the expected ends of movements guide the search. If a condition fails in a predicted state of a plan, the
     search repeats without this fact. Only optimistic facts prove that the task has no plan. With these facts, a
@@ -78,31 +83,30 @@ def _plan_whereabouts(task: Task, planner: Planner, deadline: Deadline, result: 
     Raises:
         LimitReached: If a limit was reached before any plan was found.
     """
+    task = search.task
     situation = Situation(task)
     if situation.tracking.parameters and result.shorter_refused:
-        return _shorten(situation, planner, deadline, result)
+        return _shorten(situation, search, result)
     if result.status not in ("unsolvable", "plan_refused") or not situation.tracking.parameters:
         return result
-    relaxed = Search(relax_task(task, situation.tracking), planner, deadline)
+    relaxed = Search(relax_task(task, situation.tracking), search.planner, search.deadline)
     if not _is_within_reach(relaxed):
         return result if result.status == "unsolvable" else _unsolvable(relaxed, task)
-    optimistic = _situated_search(situation, planner, deadline, optimistic=True)
+    optimistic = _situated_search(situation, search, optimistic=True)
     if not _is_within_reach(optimistic):
         return _unsolvable(optimistic, task)
     refusals: list[str] = []
-    if (with_nodes := _plan_with_nodes(situation, planner, deadline, refusals)) is not None:
+    if (with_nodes := _plan_with_nodes(situation, search, refusals)) is not None:
         return with_nodes
     found = _plan(optimistic, relax=False)
     return found if found.status in ("solved", "unsolvable") else _not_found(found, (*refusals, *optimistic.refusals))
 
 
-def _plan_with_nodes(
-    situation: Situation, planner: Planner, deadline: Deadline, refusals: list[str]
-) -> SearchResult | None:
+def _plan_with_nodes(situation: Situation, begun: Search, refusals: list[str]) -> SearchResult | None:
     """Plan with the facts at the expected ends of movements. Return None if there is no plan, and extend `refusals`."""
     excluded: set[Excluded] = set()
     for _ in range(situation.task.limits.refinements + 1):
-        search = _situated_search(situation, planner, deadline, excluded=excluded)
+        search = _situated_search(situation, begun, excluded=excluded)
         found = _plan(search, relax=True)
         if found.status == "solved":
             return found
@@ -113,25 +117,27 @@ def _plan_with_nodes(
     return None
 
 
-def _shorten(situation: Situation, planner: Planner, deadline: Deadline, result: SearchResult) -> SearchResult:
+def _shorten(situation: Situation, search: Search, result: SearchResult) -> SearchResult:
     """Return a plan with whereabouts if it has fewer actions than a plan without, or else the plan without."""
     try:
-        found = _plan_with_nodes(situation, planner, deadline, [])
+        found = _plan_with_nodes(situation, search, [])
     except LimitReached as reached:
         return replace(result, stopped=reached)
     return result if found is None else min(result, found, key=lambda each: each.cost)
 
 
 def _situated_search(
-    situation: Situation,
-    planner: Planner,
-    deadline: Deadline,
-    *,
-    optimistic: bool = False,
-    excluded: Collection[Excluded] = (),
+    situation: Situation, begun: Search, *, optimistic: bool = False, excluded: Collection[Excluded] = ()
 ) -> Search:
     task = situation.situated_task(optimistic, excluded)
-    return Search(task, planner, deadline, original=situation.task, restore=situation.original_plan)
+    return Search(
+        task,
+        begun.planner,
+        begun.deadline,
+        original=situation.task,
+        restore=situation.original_plan,
+        expectations=begun.expectations,
+    )
 
 
 def _unsolvable(search: Search, task: Task) -> SearchResult:
@@ -226,8 +232,7 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
     stopped: LimitReached | None = None
     for each in alternatives:
         try:
-            result = _plan(Search(each, planner, deadline), relax=True)
-            found.append(_plan_whereabouts(each, planner, deadline, result))
+            found.append(_plan_one(each, planner, deadline, relax=True))
             stopped = found[-1].stopped
         except LimitReached as reached:
             if all(result.plan is None for result in found):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
-from hybrid_tamp.model.expectation import expect
+from hybrid_tamp.model.expectation import declared_duration
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
@@ -23,6 +23,8 @@ _SLOWEST = 2
 """Longest duration of a rollout with drawn hyperparameters, as a multiple of the duration with initial values."""
 _STILL = 1e-7
 """A state is at rest if no property changes by more than this value in a time step, in SI units."""
+_QUIET = 1.0
+"""Time at rest after which a row ends if its block declares no duration [s]."""
 _INITIAL = 0.5
 """Probability with which a hyperparameter keeps its initial value, so that some rollouts reach their exits."""
 
@@ -96,8 +98,9 @@ def roll_out_rows(
 ) -> Rollouts:
     """Roll out a block until the exit conditions of every row hold, or the longest duration of the block is over.
 
-    A row also ends if its state is at rest after the expected duration and after the least duration of the block. If
-    row 0 succeeds, all rows end at the latest after `_SLOWEST` times the duration of row 0.
+    A row also ends if its state is at rest after the declared duration and after the least duration of the block. If
+    the block declares no duration, the row ends after `_QUIET` at rest. If row 0 succeeds, all rows end at the latest
+    after `_SLOWEST` times the duration of row 0.
 
     Args:
         block: block that is rolled out.
@@ -109,11 +112,12 @@ def roll_out_rows(
     """
     longest = min(block.duration.maximum, _LONGEST_HOLD) if block.hold else block.duration.maximum
     most, least = int(np.ceil(longest / dt - 1e-6)), int(np.ceil(block.duration.minimum / dt - 1e-6))
-    expected = [_expected(block, binding, start, chosen, row) for row in range(count)]
+    declared = [_declared(block, binding, start, chosen, row) for row in range(count)]
     state = start.repeated(count)
     model = ForwardModel(block, binding, state, Parameters(chosen))
     history = [state.values]
     lengths, reached, running = np.full(count, most), np.zeros(count, bool), np.ones(count, bool)
+    quiet = np.zeros(count)
     while running.any() and len(history) <= most:
         begun = len(history)
         while len(history) < min(begun + _CHUNK, most + 1):
@@ -126,7 +130,9 @@ def roll_out_rows(
         found = done.any(axis=0)
         lengths[found], reached[found] = begun + done.argmax(axis=0)[found], True
         still = np.abs(np.diff(chunk.values, axis=0)).max(axis=(0, 2), initial=0.0) < _STILL
-        halted = running & ~found & still & (passed * dt > np.array(expected)) & (passed > least)
+        quiet = np.where(still, quiet + (passed + 1 - begun) * dt, 0.0)
+        late = np.where(np.isinf(declared), quiet >= _QUIET, passed * dt > np.array(declared))
+        halted = running & ~found & still & late & (passed > least)
         lengths[halted] = passed
         running &= ~found & ~halted
         if reached[0] and passed >= _SLOWEST * lengths[0]:
@@ -142,5 +148,7 @@ def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:
     return holds
 
 
-def _expected(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:
-    return expect(block, binding, start, {name: values[row] for name, values in chosen.items()}).seconds
+def _declared(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:
+    """Return the declared duration of a row [s], or infinity."""
+    seconds = declared_duration(block, binding, start, {name: values[row] for name, values in chosen.items()})
+    return np.inf if seconds is None else seconds

@@ -7,7 +7,7 @@ import numpy as np
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Hyperparameter, Parameters
-from hybrid_tamp.model.expectation import expect
+from hybrid_tamp.model.expectation import declared_duration
 from hybrid_tamp.model.forward_model import ForwardModel
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Binding
@@ -46,7 +46,10 @@ class Tuning:
         for hyperparameter in block.hyperparameters:
             if self._note_bounds(block, binding, hyperparameter, view, found):
                 self._note_influence(rolled, hyperparameter)
-        expected = expect(block, binding, rolled.start, block.initial_values(binding, rolled.start)).seconds
+        initial = block.initial_values(binding, rolled.start)
+        expected = declared_duration(block, binding, rolled.start, initial)
+        if expected is None:
+            return
         measured = (
             f"the expected duration is {expected:.4g} s, and the longest duration is {block.duration.maximum:g} s"
         )

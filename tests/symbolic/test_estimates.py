@@ -1,11 +1,19 @@
 """Expected durations and outcomes of blocks, compared with the forward models of the blocks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from predicted_runs import predict
 from random_tasks.tumbling import random_tumbling
 from scenes import reach_and_roll, rolling_task
 
+from hybrid_tamp.model import expectation
+from hybrid_tamp.model.arrival import Arrivals
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.control import Hyperparameters
+from hybrid_tamp.model.predicate import Binding
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import compile_task
@@ -47,6 +55,26 @@ def test_a_second_reach_starts_where_the_first_roll_ended() -> None:
     )
     assert second.seconds < first.seconds
     assert second.outcome["hand 0", "position"][0] == pytest.approx(first.outcome["hand 0", "position"][0] + 0.7)
+
+
+def test_instances_with_known_beginnings_are_rolled_out_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = rolling_task(hands=2, drums=((0.0, 0.0), (0.0, 0.6)), regions=((0.7, 0.0), (0.7, 0.6)))
+    blocks = [replace(each, duration=replace(each.duration, expected=None)) for each in task.domain.blocks]
+    task = replace(task, domain=task.domain.with_blocks(blocks))
+    actions = [each for n in "01" for each in reach_and_roll(f"hand-{n}", f"drum-{n}", f"region-{n}")]
+    batches: list[tuple[str, int]] = []
+    roll_out = expectation.roll_out_to_exit
+
+    def count(block: Block, binding: Binding, starts: State, hyperparameters: Hyperparameters) -> Arrivals:
+        batches.append((block.name, len(starts.values)))
+        return roll_out(block, binding, starts, hyperparameters)
+
+    monkeypatch.setattr(expectation, "roll_out_to_exit", count)
+    estimates = Estimates(task)
+    estimates.of(decode(compile_task(task), actions))
+    assert batches == [("REACHING:behind", 2), ("ROLLING", 2)]
+    estimates.of(decode(compile_task(task), actions))
+    assert len(batches) == 2
 
 
 def test_an_estimate_is_made_once() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD
-from hybrid_tamp.model.expectation import expect
+from hybrid_tamp.model.expectation import declared_duration
 from hybrid_tamp.model.forward_model import roll_out
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.motion.arrays import FloatArray
@@ -68,8 +68,9 @@ def count_unexpected_pauses(block: Block, binding: Binding, seen: Observation, s
         return 0
     begin = seen.state(start)
     initial = block.initial_values(binding, begin)
-    expected = expect(block, binding, begin, initial).seconds
-    states = roll_out(block, binding, begin, min(block.duration.maximum, _PATIENCE * expected), every=_CHECK_EVERY)
+    expected = declared_duration(block, binding, begin, initial)
+    longest = np.inf if expected is None else _PATIENCE * expected
+    states = roll_out(block, binding, begin, min(block.duration.maximum, longest), every=_CHECK_EVERY)
     own, speeds = (np.stack([[state[t, name] for t in moved] for state in states]) for name in ("position", "velocity"))
     if way > _too_long(measure_length(own, CONTROL_PERIOD)):
         return None

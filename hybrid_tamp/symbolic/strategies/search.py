@@ -12,6 +12,7 @@ from typing import Protocol
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.expectation import Expectations
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import BlockInstance, Fewest, PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Limits, Task
@@ -94,6 +95,7 @@ class Search:
         planner: Running planner process.
         original: Task whose plans are wanted. By default, the task to plan.
         restore: Function that converts a plan of the task to a plan of the original task.
+        expectations: Expectations of instances, which several searches may share.
         stages: Maps each stage to its duration so far [s].
         deadline: Deadline of the command.
         refusals: Reasons why plans were refused.
@@ -109,11 +111,13 @@ class Search:
         deadline: Deadline | None = None,
         original: Task | None = None,
         restore: Callable[[TaskPlan], TaskPlan] = lambda plan: plan,
+        expectations: Expectations | None = None,
     ) -> None:
         self.task = task
         self.planner = planner
         self.original = original or task
         self.restore = restore
+        self.expectations = expectations or Expectations()
         self.deadline = deadline or Deadline.after(task.limits.time)
         self.best: Candidate | None = None
         self.stages: defaultdict[str, float] = defaultdict(float)
@@ -142,11 +146,13 @@ class Search:
     @cached_property
     def estimates(self) -> Estimates:
         """The estimates of the instances of the task."""
-        return Estimates(self.task, self.deadline)
+        return Estimates(self.task, self.deadline, self.expectations)
 
     @cached_property
     def _predictions(self) -> Estimates:
-        return self.estimates if self.original is self.task else Estimates(self.original, self.deadline)
+        if self.original is self.task:
+            return self.estimates
+        return Estimates(self.original, self.deadline, self.expectations)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:

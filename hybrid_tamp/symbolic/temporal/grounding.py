@@ -5,17 +5,22 @@ estimated in the state after the runs that first achieve its entry conditions. T
 of the anchor. The scheduler has better estimates because the plan is known.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.expectation import Beginning, Expectations
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.predicate import Atom, name_of
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import OrderedInstance
 from hybrid_tamp.symbolic.estimates import Estimate, Estimates, Poses
 from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
+
+_Roles = tuple[str, tuple[tuple[str, str], ...]]
+"""Name of a block, and pairs of (role, token or symbol)."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,8 @@ class _Cause:
 class _Reaching:
     def __init__(self, task: Task) -> None:
         self.task = task
+        self.expectations = Expectations()
+        self.rolled: dict[_Roles, Estimate] = {}
         start = _Cause(0.0, {})
         # The order is fixed because the first of several simultaneous causes is used.
         self.atoms: dict[Atom, _Cause] = dict.fromkeys(sorted(static_facts(task) | facts(task)), start)
@@ -66,22 +73,21 @@ class _Reaching:
         while changed:
             changed = False
             for block in self.task.domain.blocks:
-                for roles in list(self._bindings(block)):
-                    for source in self.task.domain.network.sources((block.name, block.anchor)):
-                        changed |= self._run(block, roles, source)
+                sources = self.task.domain.network.sources((block.name, block.anchor))
+                tries = [(roles, source) for roles in self._bindings(block) for source in sources]
+                self._roll_out(block, tries)
+                for roles, source in tries:
+                    changed |= self._run(block, roles, source)
         order = {block.name: number for number, block in enumerate(self.task.domain.blocks)}
         found = sorted(self.known, key=lambda key: (order[key[0]], *key[1:]))
         return tuple(Run(*key, self.known[key][2].seconds) for key in found)
 
     def _run(self, block: Block, roles: dict[str, str], source: SlotName) -> bool:
         """Add the effects of a run. Return whether any fact holds sooner than before."""
-        causes = self._causes(block, roles, source)
+        causes = self._new_causes(block, roles, source)
         if causes is None:
             return False
-        start = max((cause.time for cause in causes), default=0.0)
-        key = (block.name, tuple(roles.items()), source)
-        if key in self.known and self.known[key][0] <= start:
-            return False
+        start, key = _latest(causes), (block.name, tuple(roles.items()), source)
         estimate = self._estimate(block, roles, causes)
         self.known[key] = (start, start + estimate.seconds, estimate)
         made = _Cause(start + estimate.seconds, estimate.outcome)
@@ -95,6 +101,25 @@ class _Reaching:
             if place not in self.places or made.time < self.places[place].time:
                 self.places[place], sooner = made, True
         return sooner
+
+    def _roll_out(self, block: Block, tries: Sequence[tuple[dict[str, str], SlotName]]) -> None:
+        """Roll out the first possible run of each binding as one batch, unless the block declares its duration."""
+        firsts: dict[_Roles, Beginning] = {}
+        for roles, source in tries if block.duration.expected is None else ():
+            key = (block.name, tuple(roles.items()))
+            if key not in self.rolled | firsts and (causes := self._causes(block, roles, source)) is not None:
+                binding, state = self.task.bind(roles), self._state(causes)
+                # The state after several runs may contradict the conditions, and then no rollout says anything.
+                if all(float(literal.margin(state, binding)) >= 0 for literal in block.measured_entries):
+                    firsts[key] = Beginning(block, binding, state, block.initial_values(binding, state))
+        self.expectations.of(list(firsts.values()))
+        self.rolled |= {key: self._make(block, dict(key[1]), begin.state) for key, begin in firsts.items()}
+
+    def _new_causes(self, block: Block, roles: Mapping[str, str], source: SlotName) -> list[_Cause] | None:
+        """Return the causes of a run, or None if the run is not possible yet, or is known with causes as early."""
+        causes = self._causes(block, roles, source)
+        known = self.known.get((block.name, tuple(roles.items()), source))
+        return None if causes is None or (known is not None and known[0] <= _latest(causes)) else causes
 
     def _causes(self, block: Block, roles: Mapping[str, str], source: SlotName) -> list[_Cause] | None:
         """Return the earliest cause of each condition of a run, or None if a condition is not reached yet."""
@@ -110,12 +135,24 @@ class _Reaching:
         return certain if len(certain) == len(found) else None
 
     def _estimate(self, block: Block, roles: Mapping[str, str], causes: list[_Cause]) -> Estimate:
-        """Return the estimate of a run in the state after its causes. Later causes override earlier causes."""
-        poses = {key: value for cause in causes for key, value in cause.poses.items()}
-        task = self.task.replaced(state=self.task.state.replace(poses)) if poses else self.task
+        """Return the estimate of a run in the state after its causes. Later causes override earlier causes.
+
+        If the block declares no duration, all runs with the same roles have the estimate of the first rollout.
+        """
+        if block.duration.expected is not None:
+            return self._make(block, roles, self._state(causes))
+        known = self.rolled.get((block.name, tuple(roles.items())))
+        return known or Estimate(block.duration.minimum, {}, {})
+
+    def _make(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
         slots = {slot.name: roles[slot.name] for slot in block.slots}
         targets = {target.name: roles[target.name] for target in block.targets}
-        return Estimates(task).of([OrderedInstance("", block.name, slots, targets, 0)])[0]
+        estimates = Estimates(self.task.replaced(state=state), expectations=self.expectations)
+        return estimates.of([OrderedInstance("", block.name, slots, targets, 0)])[0]
+
+    def _state(self, causes: Sequence[_Cause]) -> State:
+        poses = {key: value for cause in causes for key, value in cause.poses.items()}
+        return self.task.state.replace(poses) if poses else self.task.state
 
     def _bindings(self, block: Block) -> Iterator[dict[str, str]]:
         """Yield every binding with which all entry conditions of the block are reachable."""
@@ -135,3 +172,7 @@ class _Reaching:
     def _distinct(self, roles: Mapping[str, str]) -> bool:
         tokens = [name for name in roles.values() if name in self.task.token_by_name]
         return len(set(tokens)) == len(tokens)
+
+
+def _latest(causes: Sequence[_Cause]) -> float:
+    return max((cause.time for cause in causes), default=0.0)
