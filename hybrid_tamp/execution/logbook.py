@@ -117,7 +117,8 @@ class Logbook:
         worst: Contact | None = None
         for one, other, force in period.contacts:
             tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))
-            known, allowed = self._contacts.get((tokens, instances)), rules.allow(one, other)
+            known = self._contacts.get((tokens, instances))
+            allowed = rules.allow(one, other, period.state)
             if allowed and known is not None and force <= known.force:
                 continue
             contact = Contact(tokens, instances, force, self.time, allowed)

@@ -42,7 +42,8 @@ class Monitors:
         self._invariants: list[_Invariant] = [
             (each, literal, task.bind(each.instance.roles)) for each in running for literal in each.block.invariants
         ]
-        self._rules = ContactRules(task.domain.block_by_name, [each.instance for each in running], task.fixed_bodies)
+        instances = [each.instance for each in running]
+        self._rules = ContactRules(task.domain.block_by_name, instances, task.fixed_bodies, task.token_by_name)
 
     def add(self, period: Period) -> None:
         """Add a control period, which `settle` checks later."""

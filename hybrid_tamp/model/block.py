@@ -114,7 +114,9 @@ class Block:
         policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if there is no policy.
         system: function ``system(binding, start)`` that returns the continuous system of an instance.
         allowed_contacts: pairs of two roles, or of a role and `FLOOR`, that may touch while the block runs. A pair of
-            equal roles allows contact between the tokens with this role in different instances.
+            equal roles allows contact between the tokens with this role in different instances. In place of the second
+            role, a condition with one wildcard stands for all tokens for which the condition holds, e.g.
+            ``("object", CLEARED(ANY, "tray"))`` for whatever already lies in the tray.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
             (`motion.dmp.DMP`). None if the block has no motor primitive.
@@ -140,7 +142,7 @@ class Block:
     hold: bool = False
     policy: PolicyMaker | None = None
     system: SystemMaker = _rest
-    allowed_contacts: tuple[tuple[str, str], ...] = ()
+    allowed_contacts: tuple[tuple[str, str | Literal], ...] = ()
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None
@@ -205,6 +207,11 @@ class Block:
     def maintained_exit(self) -> tuple[Literal, ...]:
         """Positive exit conditions that hold only while the instance runs."""
         return tuple(literal for literal in self.exit if literal.predicate.maintained and literal.positive)
+
+    @property
+    def contact_conditions(self) -> tuple[Literal, ...]:
+        """Conditions in `allowed_contacts`, each with a wildcard for the token that may be touched."""
+        return tuple(other for _, other in self.allowed_contacts if isinstance(other, Literal))
 
     def slot(self, name: str) -> Slot:
         """Return the slot with a given name. Raise a `KeyError` if no slot has this name."""

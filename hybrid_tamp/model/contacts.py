@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 from hybrid_tamp.model.block import FLOOR, Block
 from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort, Value
+from hybrid_tamp.model.state import State
+from hybrid_tamp.model.token import Token
 
 
 @dataclass(frozen=True)
@@ -43,11 +46,16 @@ class ContactRules:
 
     Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens with
     this role in all instances of the block. For example, tokens that rest may touch each other. `FLOOR` stands for the
-    floor and for every fixed body.
+    floor and for every fixed body. A condition with a wildcard stands for every token for which the condition holds at
+    the time of the contact.
     """
 
     def __init__(
-        self, blocks: Mapping[str, Block], running: Collection[BlockInstance], fixed: Collection[str] = ()
+        self,
+        blocks: Mapping[str, Block],
+        running: Collection[BlockInstance],
+        fixed: Collection[str] = (),
+        tokens: Mapping[str, Token] | None = None,
     ) -> None:
         """Collect the pairs of the running instances.
 
@@ -55,7 +63,10 @@ class ContactRules:
             blocks: maps each name to its block.
             running: the running instances.
             fixed: names of the fixed bodies.
+            tokens: maps each name to its token. Required if a block allows contacts by a condition.
         """
+        self._tokens = tokens or {}
+        self._conditions: list[tuple[str, Literal, Mapping[str, str]]] = []
         self._fixed = frozenset(fixed)
         self._pairs: set[frozenset[str]] = set()
         self._groups: dict[tuple[str, str], set[str]] = {}
@@ -63,17 +74,32 @@ class ContactRules:
         for instance in running:
             named = {FLOOR: FLOOR, **instance.roles}
             for one, other in blocks[instance.block].allowed_contacts:
-                if one == other:
+                if isinstance(other, Literal):
+                    self._conditions.append((named[one], other, instance.roles))
+                elif one == other:
                     self._groups.setdefault((instance.block, one), set()).add(named[one])
                 else:
                     self._pairs.add(frozenset((named[one], named[other])))
 
-    def allow(self, one: str, other: str) -> bool:
-        """Return whether two tokens, or a token and `FLOOR`, may touch."""
+    def allow(self, one: str, other: str, state: State) -> bool:
+        """Return whether two tokens, or a token and `FLOOR`, may touch in a state ``(n,)``."""
         allowed = self._known.get((one, other))
         if allowed is None:
             allowed = self._known[one, other] = self._allow(frozenset((one, other)))
-        return allowed
+        return allowed or any(
+            (token == one and self._holds(literal, roles, other, state))
+            or (token == other and self._holds(literal, roles, one, state))
+            for token, literal, roles in self._conditions
+        )
+
+    def _holds(self, literal: Literal, roles: Mapping[str, str], name: str, state: State) -> bool:
+        """Return whether the condition holds with a token in place of the wildcard."""
+        sort = literal.predicate.parameters[literal.arguments.index(ANY)].sort
+        token = self._tokens.get(name)
+        if token is None or isinstance(sort, SymbolSort) or not token.is_member(sort):
+            return False
+        binding: dict[str, Value] = {role: self._tokens.get(value, value) for role, value in roles.items()}
+        return float(literal.margin(state, binding | {ANY: token})) >= 0
 
     def _allow(self, pair: frozenset[str]) -> bool:
         if pair in self._pairs or any(pair <= group for group in self._groups.values()):

@@ -90,7 +90,8 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
                 wanted = "the lower bound must not exceed the upper bound"
                 came, remedy = f"[{h.lower}, {h.upper}] {h.unit}", "exchange the bounds"
                 yield Issue(f"{block.name}.{h.name}", wanted, came, remedy=remedy)
-        for role in sorted({role for pair in block.allowed_contacts for role in pair} - {*names, FLOOR}):
+        roles = {role for pair in block.allowed_contacts for role in pair if not isinstance(role, Literal)}
+        for role in sorted(roles - {*names, FLOOR}):
             wanted = "allowed_contacts must name slots, targets or FLOOR"
             yield Issue(f"{block.name}.allowed_contacts", wanted, repr(role), (*names, FLOOR))
         yield from _measures(block)
@@ -131,7 +132,7 @@ def _edges(domain: Declarations) -> Iterator[Issue]:
 def _conditions(domain: Declarations) -> Iterator[Issue]:
     known = set(map(id, domain.predicates))
     for block in domain.blocks:
-        for literal in (*block.entry, *block.exit, *block.invariants):
+        for literal in (*block.entry, *block.exit, *block.invariants, *block.contact_conditions):
             where = f"{block.name}: {literal.text}"
             if id(literal.predicate) not in known:
                 names = tuple(sorted(predicate.name for predicate in domain.predicates))
@@ -152,6 +153,16 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy="remove the condition from 'waived'")
         for literal in block.exit:
             yield from _exit(block, literal)
+        for literal in block.contact_conditions:
+            yield from _contact_condition(block, literal)
+
+
+def _contact_condition(block: Block, literal: Literal) -> Iterator[Issue]:
+    wild = [p for p, a in zip(literal.predicate.parameters, literal.arguments, strict=False) if a == ANY]
+    if not literal.positive or len(wild) != 1 or isinstance(wild[0].sort, SymbolSort) or literal.predicate.static:
+        wanted = "a condition in allowed_contacts must be positive, not static, and have one wildcard, for a token"
+        remedy = 'write e.g. INSIDE(ANY, "tray") for everything inside the tray'
+        yield Issue(f"{block.name}.allowed_contacts", wanted, literal.text, remedy=remedy)
 
 
 def _arguments(block: Block, literal: Literal, where: str) -> Iterator[Issue]:

@@ -47,6 +47,7 @@ def use_predicates(block: Block, changed: Mapping[str, Predicate]) -> Block:
             for each in some
         )
 
+    # Conditions in `allowed_contacts` are not static, and only static predicates have safety factors.
     entry, leaving, throughout = map(literals, (block.entry, block.exit, block.invariants))
     keeps = tuple(map(of, block.keeps))
     if (entry, leaving, throughout, keeps) == (block.entry, block.exit, block.invariants, block.keeps):

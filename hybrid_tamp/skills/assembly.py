@@ -38,7 +38,8 @@ def make_domain(
 
 def find_predicates(blocks: Iterable[Block]) -> tuple[Predicate, ...]:
     """Return the predicates of all conditions, in the order of their first mention."""
-    literals = (each for block in blocks for each in (*block.entry, *block.exit, *block.invariants))
+    parts = ((*block.entry, *block.exit, *block.invariants, *block.contact_conditions) for block in blocks)
+    literals = (each for part in parts for each in part)
     return tuple(dict.fromkeys(literal.predicate for literal in literals))
 
 

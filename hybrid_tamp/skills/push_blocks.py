@@ -1,17 +1,17 @@
 """Maker of the two blocks of a push: the hand reaches a position behind the object, and pushes the object."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Hyperparameter
-from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate, SymbolSort, Value
+from hybrid_tamp.model.predicate import ANY, Binding, Literal, Parameter, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.skills.classes import StaticEndEffector
+from hybrid_tamp.skills.classes import Container, StaticEndEffector
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, at_place, competence, physical_bound
 from hybrid_tamp.skills.pushing import Push
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
@@ -64,7 +64,8 @@ def make_pushing(
     """Return the blocks ``REACHING:behind`` and `name`, with the slots `hand` and `object`.
 
     By default, the blocks also require two facts: the hand is strong enough (`able_to_push`), and the hand stays in its
-    workspace during the push (`push_within_reach`).
+    workspace during the push (`push_within_reach`). An object that the push puts into a container may touch whatever
+    already lies in this container.
 
     Args:
         name: name of the pushing block, e.g. ``"SWEEPING"``.
@@ -94,7 +95,7 @@ def make_pushing(
         invariants=(IN_WORKSPACE("hand"),),
         writes={"hand": MOTION, "object": BODY},
         keeps=keeps[1],
-        allowed_contacts=(("hand", "object"), *contacts),
+        allowed_contacts=(("hand", "object"), *contacts, *_beside_others(effects, targets)),
         hyperparameters=_hyperparameters(push, hyperparameters),
         duration=Duration(0.2, 40.0),
         policy=push.policy,
@@ -122,6 +123,16 @@ def _reach_behind(
         keeps=keeps,
     )
     return make_reaching(goal, "behind")
+
+
+def _beside_others(effects: Iterable[Literal], targets: Iterable[Target]) -> Iterator[tuple[str, Literal]]:
+    """Yield the contacts of the object with everything that already is where a functional effect puts the object."""
+    containers = {each.name for each in targets if isinstance(each.sort, type) and issubclass(each.sort, Container)}
+    for literal in effects:
+        place = literal.predicate.functional_index
+        if literal.positive and place is not None and literal.arguments[place] in containers:
+            others = (ANY if argument == "object" else argument for argument in literal.arguments)
+            yield "object", replace(literal, arguments=tuple(others))
 
 
 def _hyperparameters(push: Push, replaced: Iterable[Hyperparameter]) -> tuple[Hyperparameter, ...]:

@@ -149,10 +149,13 @@ def _anchor(block: Block, slot: str) -> str:
 
 def _contacts(block: Block) -> str:
     names = {FLOOR: "the floor"} | {role: f"`{role}`" for role in block.roles}
-    return ", ".join(
-        f"{names[one]} and {f'{names[one]} of another instance' if one == other else names[other]}"
-        for one, other in block.allowed_contacts
-    )
+
+    def second(one: str, other: str | Literal) -> str:
+        if isinstance(other, Literal):
+            return f"every token `*` with `{other.text}`"
+        return f"{names[one]} of another instance" if one == other else names[other]
+
+    return ", ".join(f"{names[one]} and {second(one, other)}" for one, other in block.allowed_contacts)
 
 
 def _conditions(literals: Iterable[Literal]) -> str:

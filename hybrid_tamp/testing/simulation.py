@@ -147,7 +147,8 @@ class _Physics:
         The state is None after a contact that is not allowed. The time is None if the exit conditions do not hold.
         """
         instances = list(_instances(self._task, block, binding))
-        rules = ContactRules(self._task.domain.block_by_name, instances, self._task.fixed_bodies)
+        task = self._task
+        rules = ContactRules(task.domain.block_by_name, instances, task.fixed_bodies, task.token_by_name)
         self._backend.assign(instances)
         running = [Running(self._task, instance, 0.0, state) for instance in instances]
         touched: Counter[Pair] = Counter()
@@ -158,8 +159,9 @@ class _Physics:
             if not np.isfinite(state.values).all():
                 raise RunError("", f"the state in physics is not finite after {(step + 1) * period:.3f} s")
             for one, other, force in self._backend.contact_forces():
-                touched[one, other] += force > _LIGHT and not rules.allow(one, other)
-                heavy = force > self._task.limits.contact and not rules.allow(one, other)
+                allowed = rules.allow(one, other, state)
+                touched[one, other] += force > _LIGHT and not allowed
+                heavy = force > task.limits.contact and not allowed
                 if heavy or touched[one, other] > _LONG:
                     self.misses.note_contact(block, binding, (one, other), force, (step + 1) * period)
                     return None, None

@@ -8,6 +8,9 @@ import pytest
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.block import FLOOR
 from hybrid_tamp.model.contacts import Contact, ContactRules
+from hybrid_tamp.model.state import State
+
+STATE = State.of((), {})
 
 
 def rules(toys: Any, moving: tuple[tuple[str, str], ...] = ()) -> ContactRules:
@@ -19,18 +22,18 @@ def rules(toys: Any, moving: tuple[tuple[str, str], ...] = ()) -> ContactRules:
 
 def test_tokens_of_one_role_may_touch_each_other_and_nothing_else(toys: Any) -> None:
     found = rules(toys)
-    assert found.allow("post", "wall")
-    assert found.allow(FLOOR, "wall")
-    assert not found.allow("post", "pusher")
-    assert not found.allow(FLOOR, "pusher")
+    assert found.allow("post", "wall", STATE)
+    assert found.allow(FLOOR, "wall", STATE)
+    assert not found.allow("post", "pusher", STATE)
+    assert not found.allow(FLOOR, "pusher", STATE)
 
 
 def test_a_block_allows_its_own_pairs_in_either_order(toys: Any) -> None:
     found = rules(toys, (("pusher", FLOOR), ("spot", "pusher")))
-    assert found.allow(FLOOR, "pusher")
-    assert found.allow("pusher", FLOOR)
-    assert found.allow("pusher", "spot")
-    assert not found.allow("pusher", "post")
+    assert found.allow(FLOOR, "pusher", STATE)
+    assert found.allow("pusher", FLOOR, STATE)
+    assert found.allow("pusher", "spot", STATE)
+    assert not found.allow("pusher", "post", STATE)
 
 
 def test_a_role_that_the_block_lacks_is_refused(toys: Any) -> None:
