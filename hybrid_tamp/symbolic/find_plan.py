@@ -61,14 +61,9 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
     # A goal that crowds a place is impossible. A task file without another goal is refused.
     alternatives = [each for each in task.alternatives() if each.crowding() is None] or list(task.alternatives())
     if len(alternatives) == 1:
-        return _plan_one(alternatives[0], planner, deadline, relax)
+        search = Search(alternatives[0], planner, deadline)
+        return _plan_whereabouts(search, _plan(search, relax))
     return _plan_alternatives(alternatives, planner, deadline)
-
-
-def _plan_one(task: Task, planner: Planner, deadline: Deadline, relax: bool) -> SearchResult:
-    """Plan a task whose goal leaves no choice."""
-    search = Search(task, planner, deadline)
-    return _plan_whereabouts(search, _plan(search, relax))
 
 
 def _plan_whereabouts(search: Search, result: SearchResult) -> SearchResult:
@@ -232,7 +227,8 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
     stopped: LimitReached | None = None
     for each in alternatives:
         try:
-            found.append(_plan_one(each, planner, deadline, relax=True))
+            search = Search(each, planner, deadline)
+            found.append(_plan_whereabouts(search, _plan(search, relax=True)))
             stopped = found[-1].stopped
         except LimitReached as reached:
             if all(result.plan is None for result in found):
