@@ -19,6 +19,7 @@ from hybrid_tamp.model.control import (
     PolicyMaker,
     SystemMaker,
 )
+from hybrid_tamp.model.default_system import make_default_system
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
@@ -112,7 +113,10 @@ class Block:
         duration: bounds and an estimate for the duration of an instance.
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
         policy: function ``policy(binding, start, parameters)`` that returns a feedback law. None if there is no policy.
-        system: function ``system(binding, start)`` that returns the continuous system of an instance.
+        system: function ``system(binding, start)`` that returns the continuous system of an instance. If None, hands
+            obey their commands, and what they hold or push moves with them (see `model.default_system`).
+        attached: maps the slot of a token to the slot of the hand that holds the token throughout the block. Only the
+            default system uses it. It also finds by itself what fingers grip.
         allowed_contacts: pairs of two roles, or of a role and `FLOOR`, that may touch while the block runs. A pair of
             equal roles allows contact between the tokens with this role in different instances. In place of the second
             role, a condition with one wildcard stands for all tokens for which the condition holds, e.g.
@@ -141,7 +145,8 @@ class Block:
     hyperparameters: tuple[Hyperparameter, ...] = ()
     hold: bool = False
     policy: PolicyMaker | None = None
-    system: SystemMaker = _rest
+    system: SystemMaker | None = None
+    attached: Mapping[str, str] = field(default_factory=dict)
     allowed_contacts: tuple[tuple[str, str | Literal], ...] = ()
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
@@ -166,7 +171,14 @@ class Block:
     @property
     def moves(self) -> bool:
         """Whether the continuous system of the block changes the state."""
-        return self.system is not _rest
+        return self.system is not None or any(self.writes.values())
+
+    @cached_property
+    def system_maker(self) -> SystemMaker:
+        """The declared `system`, or the default system. Nothing moves if the block writes nothing."""
+        if self.system is not None:
+            return self.system
+        return partial(make_default_system, self) if self.moves else _rest
 
     @property
     def others(self) -> tuple[Slot, ...]:

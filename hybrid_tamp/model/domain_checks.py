@@ -94,6 +94,12 @@ def _blocks(domain: Declarations) -> Iterator[Issue]:
         for role in sorted(roles - {*names, FLOOR}):
             wanted = "allowed_contacts must name slots, targets or FLOOR"
             yield Issue(f"{block.name}.allowed_contacts", wanted, repr(role), (*names, FLOOR))
+        slots = {slot.name for slot in block.slots}
+        for role in sorted({*block.attached, *block.attached.values()} - slots):
+            yield Issue(f"{block.name}.attached", "attached must map slots to slots", repr(role), tuple(sorted(slots)))
+        if block.attached and block.system is not None:
+            wanted = "attached has an effect only in the default system"
+            yield Issue(f"{block.name}.attached", wanted, remedy="leave out 'system' or 'attached'")
         yield from _measures(block)
 
 

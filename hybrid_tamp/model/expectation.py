@@ -171,7 +171,8 @@ def _combine(begin: Beginning, declared: State | None, rolled: _Rolled) -> State
 def _kind(begin: Beginning) -> Hashable:
     """Return a key. Instances with equal keys move in the same way if their tokens have the same states."""
     block, values = begin.block, tuple(begin.binding.values())
-    moves = block.policy, block.system, block.duration, block.measured_exits, block.hyperparameters
+    system = block.system or (*block.writes.items(), *block.attached.items())
+    moves = block.policy, system, block.duration, block.measured_exits, block.hyperparameters
     by_name = any(literal.predicate.by_name for literal in block.measured_exits)
     roles = tuple(begin.binding)
     tokens = (value.name if by_name else value.fixed for value in values if isinstance(value, Token))

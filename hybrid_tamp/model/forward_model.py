@@ -33,7 +33,7 @@ class ForwardModel:
         with authored(self._names[0], binding):
             self._policy = None if block.policy is None else block.policy(binding, seen, parameters)
         with authored(self._names[1], binding):
-            self._system = block.system(binding, seen)
+            self._system = block.system_maker(binding, seen)
         held = {slot.name: token for slot in block.slots if isinstance(token := binding[slot.name], Token)}
         self._limits = _limits(held.values())
         self._sizes = sizes_of(held)

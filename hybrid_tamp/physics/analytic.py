@@ -102,5 +102,5 @@ class AnalyticBackend(Resource):
         binding = self._task.bind(instance.roles)
         name, view = f"{block.name}.system", View(binding, self._state.layout)
         with authored(name, binding):
-            system = block.system(binding, view.of(self._state))
+            system = block.system_maker(binding, view.of(self._state))
         return _Moving(name, binding, system, view, held, np.array(mine, dtype=np.intp))

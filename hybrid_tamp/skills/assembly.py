@@ -38,8 +38,9 @@ def make_domain(
 
 def find_predicates(blocks: Iterable[Block]) -> tuple[Predicate, ...]:
     """Return the predicates of all conditions, in the order of their first mention."""
-    parts = ((*block.entry, *block.exit, *block.invariants, *block.contact_conditions) for block in blocks)
-    literals = (each for part in parts for each in part)
+    literals = (
+        each for block in blocks for each in (*block.entry, *block.exit, *block.invariants, *block.contact_conditions)
+    )
     return tuple(dict.fromkeys(literal.predicate for literal in literals))
 
 

@@ -4,37 +4,20 @@ from functools import lru_cache
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape, Sphere
-from hybrid_tamp.geometry.surfaces import hulls_of, points_of
+from hybrid_tamp.geometry.shapes import Shape
+from hybrid_tamp.geometry.surfaces import hulls_of
+from hybrid_tamp.model.extents import corners_of
+from hybrid_tamp.model.extents import extent as extent
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
-from hybrid_tamp.skills.vectors import UP, dot, in_body, to_body
-
-
-def extent(state: State, token: Token, direction: FloatArray) -> FloatArray:
-    """Return how far ``(...)`` [m] a body extends from the origin of its body frame in a direction ``(..., 3)``."""
-    shape = token.solid
-    if isinstance(shape, Cylinder):
-        along = np.abs(dot(rotate(state[token, "orientation"], UP), direction))
-        return shape.radius * np.sqrt(np.maximum(0.0, 1.0 - along**2)) + shape.length / 2 * along
-    local = to_body(state, token, direction)
-    if isinstance(shape, Sphere):
-        return np.full(local.shape[:-1], shape.radius)
-    if isinstance(shape, Box):
-        return np.asarray(np.abs(local) @ np.asarray(shape.half_extents))
-    return np.asarray((local @ _corners(shape).T).max(axis=-1))
-
-
-@lru_cache(maxsize=256)
-def _corners(shape: Shape) -> FloatArray:
-    return points_of(shape)
+from hybrid_tamp.skills.vectors import UP, dot, in_body
 
 
 def reach_along(token: Token, direction: FloatArray) -> float:
     """Return how far [m] a body extends from its origin in a direction ``(3,)`` of the body frame."""
-    return float((_corners(token.solid) @ direction).max())
+    return float((corners_of(token.solid) @ direction).max())
 
 
 def height_below(state: State, token: Token) -> FloatArray:
@@ -70,7 +53,7 @@ def _boxes(shape: Shape) -> tuple[tuple[FloatArray, FloatArray], ...]:
 
 def depth_over(state: State, thing: Token, surface: Token) -> FloatArray:
     """Return the horizontal depth ``(...)`` [m] of a body's origin within the outline of a level surface."""
-    corners = _corners(surface.solid)[:, :2]
+    corners = corners_of(surface.solid)[:, :2]
     local = in_body(state, surface, state[thing, "position"])[..., :2]
     return np.asarray(np.minimum(corners.max(axis=0) - local, local - corners.min(axis=0)).min(axis=-1))
 
@@ -94,7 +77,7 @@ def edge_towards(state: State, surface: Token, place: FloatArray) -> tuple[Float
         surface to the edge.
     """
     offset = in_body(state, surface, place)[..., :2]
-    halves = np.ptp(_corners(surface.solid), axis=0)[:2] / 2.0
+    halves = np.ptp(corners_of(surface.solid), axis=0)[:2] / 2.0
     beyond = np.abs(offset) - halves
     first = beyond[..., 0] >= beyond[..., 1]
     sign = np.where(offset < 0, -1.0, 1.0)

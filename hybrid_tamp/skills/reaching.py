@@ -22,7 +22,7 @@ from hybrid_tamp.skills.classes import StaticEndEffector
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
 from hybrid_tamp.skills.primitives import demonstrated_reach
 from hybrid_tamp.skills.roles import MOTION, get_token
-from hybrid_tamp.skills.servos import hand_servo, hand_system
+from hybrid_tamp.skills.servos import hand_servo
 from hybrid_tamp.skills.timetable import Timetable
 
 _LIFT = 0.36
@@ -143,7 +143,6 @@ def make_reaching(
         duration=duration,
         hold=True,
         policy=follow,
-        system=hand_system,
         taught=lambda other: make_reaching(goal, mode, other, transit),
         movement=Movement("hand", "position", 3 if transit is None else 1),
         outcome=outcome if transit is None else None,

@@ -85,7 +85,7 @@ def call_system(
     """Return the next states of a new system for all samples, in order and then in reverse order."""
     results = []
     with authored(f"{block.name}.system", binding):
-        system = block.system(binding, start)
+        system = block.system_maker(binding, start)
         for index in _twice(samples):
             results.append(system(samples[index][1], dict(commands[index]), CONTROL_PERIOD))
     for after in results:

@@ -150,9 +150,8 @@ class Search:
 
     @cached_property
     def _predictions(self) -> Estimates:
-        if self.original is self.task:
-            return self.estimates
-        return Estimates(self.original, self.deadline, self.expectations)
+        whole = self.original is self.task
+        return self.estimates if whole else Estimates(self.original, self.deadline, self.expectations)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
