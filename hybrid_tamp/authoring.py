@@ -83,6 +83,7 @@ from hybrid_tamp.model.predicate import Predicate as Predicate
 from hybrid_tamp.model.predicate import SymbolSort as SymbolSort
 from hybrid_tamp.model.predicate import Value as Value
 from hybrid_tamp.model.recording import Recording as Recording
+from hybrid_tamp.model.simulated import PHYSICS as PHYSICS
 from hybrid_tamp.model.state import State as State
 from hybrid_tamp.model.support import find_floating as find_floating
 from hybrid_tamp.model.task import Task as Task

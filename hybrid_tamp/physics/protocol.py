@@ -17,6 +17,9 @@ _Self = TypeVar("_Self")
 GROUP = "hybrid_tamp.physics"
 """Entry-point group for backends of other packages. Each entry point is a function that returns a backend."""
 
+SIMULATOR = "pybullet"
+"""Name of the backend that simulates blocks with ``system=PHYSICS`` during planning."""
+
 Pair = tuple[str, str]
 """Names of two tokens, or of a token and `FLOOR`, sorted."""
 

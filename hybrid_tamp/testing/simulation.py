@@ -16,13 +16,12 @@ from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Binding, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.protocol import Backend, Pair, open_backend
+from hybrid_tamp.physics.protocol import SIMULATOR, Backend, Pair, open_backend
 from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.misses import Misses
 from hybrid_tamp.testing.rollouts import roll_out_rows
 from hybrid_tamp.testing.walk import Chooser
 
-_BACKEND = "pybullet"
 _WALKS = 3
 _STEPS = 12
 """Largest number of walks, and of blocks in a walk, until each block has run."""
@@ -53,7 +52,7 @@ def simulate_blocks(task: Task, chooser: Chooser, found: Disagreements, rng: np.
     """
     with ExitStack() as stack:
         try:
-            backend = stack.enter_context(open_backend(_BACKEND))
+            backend = stack.enter_context(open_backend(SIMULATOR))
             backend.reset(task, task.state)
         except DomainError:
             raise

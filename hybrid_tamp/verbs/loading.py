@@ -3,12 +3,15 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.simulated import pass_simulator
 from hybrid_tamp.model.task import Limits, MidLevel, Task
+from hybrid_tamp.physics.protocol import SIMULATOR, open_backend
 from hybrid_tamp.symbolic.engines.registry import check_engine
 from hybrid_tamp.taskfile.domains import find_domain
 from hybrid_tamp.taskfile.loader import load_task
@@ -69,7 +72,7 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
         task.midlevel, optimiser=settings.optimiser, evaluations=settings.evaluations, refine=settings.refine
     )
     own = {"planner": settings.planner, "objective": settings.objective, "seed": settings.seed}
-    return _replaced(task, limits=limits, midlevel=midlevel, **own)
+    return pass_simulator(_replaced(task, limits=limits, midlevel=midlevel, **own), partial(open_backend, SIMULATOR))
 
 
 def load_timed(source: Task | Path | str, settings: Settings, *, plans: bool = False) -> tuple[Task, Deadline]:
