@@ -32,6 +32,7 @@ _MOST = 128
 
 
 def _not_simulated(binding: Binding, start: State) -> ContinuousSystem:
+    """Raise a `DomainError`, because a verb such as `hybrid_tamp.plan` must pass a simulator before the first step."""
     wanted, remedy = "a block with system=PHYSICS requires a simulator", "use a verb such as hybrid_tamp.plan"
     raise DomainError([Issue("system", wanted, remedy=remedy)])
 
