@@ -4,6 +4,7 @@ This module only re-exports names. A domain imports skills from `hybrid_tamp.ski
 `hybrid_tamp.authoring`.
 """
 
+from hybrid_tamp.model.extents import extent as extent
 from hybrid_tamp.skills.assembly import derive_edges as derive_edges
 from hybrid_tamp.skills.assembly import find_classes as find_classes
 from hybrid_tamp.skills.assembly import find_predicates as find_predicates
@@ -30,7 +31,6 @@ from hybrid_tamp.skills.extents import depth_over as depth_over
 from hybrid_tamp.skills.extents import depth_within as depth_within
 from hybrid_tamp.skills.extents import distance_to_edge as distance_to_edge
 from hybrid_tamp.skills.extents import edge_towards as edge_towards
-from hybrid_tamp.skills.extents import extent as extent
 from hybrid_tamp.skills.extents import ground_below as ground_below
 from hybrid_tamp.skills.extents import height_above as height_above
 from hybrid_tamp.skills.extents import height_below as height_below

@@ -6,8 +6,7 @@ import numpy as np
 
 from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.geometry.surfaces import hulls_of
-from hybrid_tamp.model.extents import corners_of
-from hybrid_tamp.model.extents import extent as extent
+from hybrid_tamp.model.extents import corners_of, extent
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray

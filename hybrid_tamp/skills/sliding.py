@@ -5,13 +5,14 @@ from collections.abc import Callable
 import numpy as np
 
 from hybrid_tamp.model.affordance import ObjectClass
+from hybrid_tamp.model.extents import extent
 from hybrid_tamp.model.predicate import Binding, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.skills.classes import Surface
-from hybrid_tamp.skills.extents import depth_over, extent, ground_below, height_above, height_below
+from hybrid_tamp.skills.extents import depth_over, ground_below, height_above, height_below
 from hybrid_tamp.skills.predicates import competence
 from hybrid_tamp.skills.pushing import Push, Resistance
 from hybrid_tamp.skills.roles import POSE, get_token, get_tokens
