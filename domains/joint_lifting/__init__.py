@@ -10,6 +10,7 @@ from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwo
 from hybrid_tamp.skills import (
     RESTING,
     ReachGoal,
+    conditions,
     find_classes,
     find_predicates,
     get_symbol,
@@ -48,16 +49,10 @@ def _edges() -> Iterator[tuple[str, str]]:
 _BESIDE = ReachGoal(
     targets=(Target("object", Liftable), Target("place", PLACE)),
     position=_beside,
-    entry=(
-        STANDS("object"),
-        UPRIGHT("hand"),
-        ON_SIDE("hand", "object", "place"),
-        WITHIN_REACH("hand", "object", "place"),
-        FITS("hand", "object", "place"),
-    ),
-    arrived=(AT_PLACE("hand", "object", "place"),),
+    entry=conditions((STANDS, UPRIGHT, ON_SIDE, WITHIN_REACH, FITS)),
+    arrived=conditions((AT_PLACE,)),
     # The reach has a fixed shape, which passes through large boxes.
-    lasting=(STANDS("object"), OUTSIDE("hand", "object")),
+    lasting=conditions((STANDS, OUTSIDE)),
 )
 _BLOCKS = (make_reaching(_BESIDE, "place"), *BEARING, RESTING)
 

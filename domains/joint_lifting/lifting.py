@@ -7,6 +7,7 @@ LIFTING and LOWERING end by themselves. In HOLDING, the hands keep the box in th
 
 from collections.abc import Callable
 from functools import partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from hybrid_tamp.authoring import (
 from hybrid_tamp.skills import (
     STANDBY_GAP,
     advance,
+    conditions,
     gaps_to_faces,
     make_pressing,
     profile_of,
@@ -40,23 +42,7 @@ from .bearing import bear, bearing_system
 from .classes import Liftable
 from .load import largest_squeeze, squeeze_for
 from .places import FLOOR_TOLERANCE, Roles, height, places_of
-from .predicates import (
-    AT_PLACE,
-    BEARS,
-    CLEAR_OF,
-    FEASIBLE,
-    FITS,
-    GRIPPABLE,
-    HEAVY_ENOUGH,
-    LOWEST_LIFT,
-    ON_SIDE,
-    OUTSIDE,
-    RAISED,
-    STANDS,
-    UPRIGHT,
-    WITHIN_REACH,
-    room_above,
-)
+from .predicates import AT_PLACE, CLEAR_OF, LOWEST_LIFT, OF_BOX, OF_HAND, OUTSIDE, RAISED, STANDS, room_above
 
 MODES = {"two": "two hands", "four": "four hands"}
 """Maps each mode to its crew."""
@@ -119,18 +105,8 @@ def _lower(crew: str, profile: Profile, binding: Binding, start: State, paramete
 
 def _able(crew: str) -> tuple[Literal, ...]:
     """Return the feasibility conditions of the object and of every hand in a crew."""
-    hands = (
-        literal
-        for slot, place in places_of(crew)
-        for literal in (
-            BEARS(slot, "object", crew),
-            ON_SIDE(slot, "object", place),
-            WITHIN_REACH(slot, "object", place),
-            FITS(slot, "object", place),
-            UPRIGHT(slot),
-        )
-    )
-    return (*hands, GRIPPABLE("object"), HEAVY_ENOUGH("object"))
+    hands = (conditions(OF_HAND, hand=slot, place=place, crew=crew) for slot, place in places_of(crew))
+    return (*chain.from_iterable(hands), *conditions(OF_BOX))
 
 
 def _at_places(crew: str) -> tuple[Literal, ...]:
@@ -155,7 +131,7 @@ def _together(
         Liftable,
         entry=(before, *_at_places(crew), *_able(crew)),
         # A box moves straight up and down, so its feasibility facts do not change.
-        keeps=(*FEASIBLE, OUTSIDE, *keeps),
+        keeps=(*OF_HAND, *OF_BOX, OUTSIDE, *keeps),
         hyperparameters=(squeezing(partial(_squeezes, crew)), *hyperparameters),
         policy=partial(policy, crew, profile),
         system=partial(bearing_system, crew),

@@ -210,4 +210,7 @@ GRIPPABLE = competence(
     denial="{object} is too smooth: it slips out between hands that press slightly askew",
 )
 HEAVY_ENOUGH = heavy_enough(Liftable, _LEAST_WEIGHT, "lift", "tilt it instead of lifting it")
-FEASIBLE = (UPRIGHT, ON_SIDE, WITHIN_REACH, FITS, GRIPPABLE, HEAVY_ENOUGH, BEARS)
+OF_HAND = (BEARS, ON_SIDE, WITHIN_REACH, FITS, UPRIGHT)
+"""Feasibility facts about each hand of a crew and the box."""
+OF_BOX = (GRIPPABLE, HEAVY_ENOUGH)
+"""Feasibility facts about the box."""

@@ -17,7 +17,7 @@ from .classes import Tumblable
 from .metrics import CONTROLLED
 from .sliding import friction_needed, leaning_friction
 from .tumbling_geometry import GRIP, room_below, sections
-from .tumbling_predicates import strength_needed
+from .tumbling_predicates import LOW_ENOUGH, STRONG_ENOUGH, WITHIN_REACH, strength_needed
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
@@ -90,6 +90,6 @@ CLEAR_OF_FLOOR = length_predicate(
     description="{hand} is clear of the floor",
     denial="{hand} is pressed onto the floor",
 )
-TUMBLABLE_FACTS = (ROUGH_ENOUGH, LARGE_ENOUGH, HEAVY_ENOUGH)
-"""Feasibility facts of a tumble that depend on the size and the material of the box."""
-CONTROL_PREDICATES = (*TUMBLABLE_FACTS, TURNS_SLOWLY, CLEAR_OF_FLOOR)
+ABLE_HAND = (STRONG_ENOUGH, ROUGH_ENOUGH, WITHIN_REACH, LOW_ENOUGH, LARGE_ENOUGH)
+"""Feasibility facts of a tumble about each hand and the box."""
+CONTROL_PREDICATES = (ROUGH_ENOUGH, LARGE_ENOUGH, HEAVY_ENOUGH, TURNS_SLOWLY, CLEAR_OF_FLOOR)

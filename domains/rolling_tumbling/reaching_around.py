@@ -26,6 +26,7 @@ from hybrid_tamp.skills import (
     Timetable,
     Transit,
     advance,
+    conditions,
     get_symbol,
     get_token,
     get_tokens,
@@ -36,21 +37,12 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Tumblable
-from .control_predicates import CLEAR_OF_FLOOR, HEAVY_ENOUGH, LARGE_ENOUGH, ROUGH_ENOUGH
+from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
 from .predicates import OUTSIDE
 from .tumbling_geometry import above_floor, place_at
-from .tumbling_predicates import (
-    ALIGNED,
-    AT_FACE,
-    EXPOSED,
-    LOW_ENOUGH,
-    ON_SIDE,
-    POSTURE,
-    STRONG_ENOUGH,
-    WITHIN_REACH,
-)
+from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
 
 _SHORTEST = 0.8
 _ASIDE = 0.02
@@ -123,20 +115,9 @@ REACH_BESIDE = make_reaching(
     ReachGoal(
         targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
         position=_place,
-        entry=(
-            EXPOSED("face", "posture"),
-            POSTURE("object", "posture"),
-            ALIGNED("hand", "object", "face"),
-            ON_SIDE("hand", "object", "face", "posture"),
-            WITHIN_REACH("hand", "object"),
-            STRONG_ENOUGH("hand", "object"),
-            ROUGH_ENOUGH("hand", "object"),
-            LOW_ENOUGH("hand", "object"),
-            LARGE_ENOUGH("hand", "object"),
-            HEAVY_ENOUGH("object"),
-        ),
-        arrived=(AT_FACE("hand", "object", "face"),),
-        lasting=(CLEAR_OF_FLOOR("hand"), POSTURE("object", "posture")),
+        entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH)),
+        arrived=conditions((AT_FACE,)),
+        lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
         # The curve is about a box, and boxes do not roll.
         keeps=(OUTSIDE,),
         description="the hand moves around the box to a place at a face and stays there",

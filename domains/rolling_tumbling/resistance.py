@@ -189,3 +189,5 @@ TOUCHES_AXIS = competence(
     description="{hand} touches {object} close enough to the height of its axis",
     denial="{object} is too small for {hand}, which touches it too far above its axis",
 )
+ROLLABLE_FACTS = (ROLLS_STEADILY, ABLE_TO_ROLL, TOUCHES_AXIS, ROLLS, STOPS, WIDE_ENOUGH)
+"""Feasibility facts of a roll that depend on the sizes and the material of the object."""

@@ -3,31 +3,16 @@
 import numpy as np
 
 from hybrid_tamp.authoring import ANY, Binding, FloatArray, Hyperparameter, State, Target
-from hybrid_tamp.skills import Region, get_token, make_pushing
+from hybrid_tamp.skills import Region, conditions, get_token, make_pushing
 
 from .classes import Rollable
 from .control_predicates import CLEAR_OF_FLOOR, CONTROL_PREDICATES
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .push import ROLL
-from .resistance import (
-    ABLE_TO_ROLL,
-    ROLLS,
-    ROLLS_STEADILY,
-    SMALLEST_DECELERATION,
-    STOPS,
-    TOUCHES_AXIS,
-    WIDE_ENOUGH,
-    usual_deceleration,
-)
+from .resistance import ROLLABLE_FACTS, SMALLEST_DECELERATION, usual_deceleration
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
-_FEASIBLE = (
-    LIES_ON_SIDE("object"),
-    ON_ROLLING_LINE("object", "region"),
-    WITHIN_WORKSPACE("hand", "object", "region"),
-    *(fact("hand", "object") for fact in (ROLLS_STEADILY, ABLE_TO_ROLL, TOUCHES_AXIS)),
-    *(fact("object") for fact in (ROLLS, STOPS, WIDE_ENOUGH)),
-)
+_FEASIBLE = conditions((LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, *ROLLABLE_FACTS))
 
 
 def _usual(binding: Binding, state: State) -> FloatArray:

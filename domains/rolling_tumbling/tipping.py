@@ -38,6 +38,7 @@ from hybrid_tamp.skills import (
     UP,
     Pressure,
     StaticEndEffector,
+    conditions,
     dot,
     get_symbol,
     get_token,
@@ -51,28 +52,12 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Tumblable
-from .control_predicates import (
-    CLEAR_OF_FLOOR,
-    HEAVY_ENOUGH,
-    LARGE_ENOUGH,
-    ROUGH_ENOUGH,
-    TURNS_SLOWLY,
-)
+from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH, TURNS_SLOWLY
 from .faces import FACE, POSTURES, faces_of
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .tumbling_geometry import edge_axis, edge_position
-from .tumbling_predicates import (
-    AT_FACE,
-    HOLDS,
-    LEANS,
-    LOW_ENOUGH,
-    LOWERS,
-    POSTURE,
-    STRONG_ENOUGH,
-    TIPS,
-    WITHIN_REACH,
-)
+from .tumbling_predicates import AT_FACE, HOLDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
 from .turning import CLOSING, after_turning, make_turning
 from .turning_model import turning_system
 
@@ -84,11 +69,8 @@ _LIGHT_SQUEEZE = 0.25
 """Ratio of this squeeze to the weight of a light box, which a larger squeeze would throw when a hand lets go."""
 _AT_FACES = (AT_FACE("first", "object", "near"), AT_FACE("second", "object", "far"))
 _ABLE = (
-    *(
-        feasible(hand, "object")
-        for hand in ("first", "second")
-        for feasible in (STRONG_ENOUGH, ROUGH_ENOUGH, WITHIN_REACH, LOW_ENOUGH, LARGE_ENOUGH)
-    ),
+    *conditions(ABLE_HAND, hand="first"),
+    *conditions(ABLE_HAND, hand="second"),
     HEAVY_ENOUGH("object"),
 )
 
@@ -134,7 +116,7 @@ def _tipping(
         ("first", "second"),
         Tumblable,
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
-        entry=(relation("near", "far", "before", "outcome"), POSTURE("object", "before"), *_AT_FACES, *_ABLE),
+        entry=(*conditions((relation, POSTURE), posture="before"), *_AT_FACES, *_ABLE),
         exit=(POSTURE("object", "outcome"), *_AT_FACES),
         always=(IN_WORKSPACE, CLEAR_OF_FLOOR),
         invariants=(TURNS_SLOWLY("object"),),
@@ -182,19 +164,9 @@ TILTING = Block(
     slots=(Slot("hand", StaticEndEffector), Slot("object", Tumblable)),
     anchor="object",
     targets=(Target("face", FACE), Target("posture", POSTURES)),
-    entry=(
-        HOLDS("face", "posture"),
-        POSTURE("object", "posture"),
-        AT_FACE("hand", "object", "face"),
-        STRONG_ENOUGH("hand", "object"),
-    ),
-    exit=(AT_FACE("hand", "object", "face"), AT_REST("hand")),
-    invariants=(
-        IN_WORKSPACE("hand"),
-        CLEAR_OF_FLOOR("hand"),
-        POSTURE("object", "posture"),
-        TURNS_SLOWLY("object"),
-    ),
+    entry=conditions((HOLDS, POSTURE, AT_FACE, STRONG_ENOUGH)),
+    exit=(*conditions((AT_FACE,)), AT_REST("hand")),
+    invariants=conditions((IN_WORKSPACE, CLEAR_OF_FLOOR, POSTURE, TURNS_SLOWLY)),
     writes={"hand": MOTION},
     keeps=(OUTSIDE,),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),

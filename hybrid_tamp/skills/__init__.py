@@ -84,6 +84,7 @@ from hybrid_tamp.skills.predicates import IN_WORKSPACE as IN_WORKSPACE
 from hybrid_tamp.skills.predicates import REST_SPEED as REST_SPEED
 from hybrid_tamp.skills.predicates import at_place as at_place
 from hybrid_tamp.skills.predicates import competence as competence
+from hybrid_tamp.skills.predicates import conditions as conditions
 from hybrid_tamp.skills.predicates import depth_in_region as depth_in_region
 from hybrid_tamp.skills.predicates import everywhere as everywhere
 from hybrid_tamp.skills.predicates import inside as inside

@@ -1,6 +1,6 @@
 """Predicates that several domains share, and functions that make margins and predicates."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
@@ -11,7 +11,7 @@ from hybrid_tamp.geometry.surfaces import points_of
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.disc import Disc
 from hybrid_tamp.model.kind import Kind
-from hybrid_tamp.model.predicate import Parameter, Predicate, Value
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -62,6 +62,17 @@ def one_by_one(margin: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
         return np.array(found).reshape(state.values.shape[:-1])
 
     return batched
+
+
+def conditions(predicates: Iterable[Predicate], **roles: str) -> tuple[Literal, ...]:
+    """Return the condition of each predicate for the roles of a block.
+
+    Args:
+        predicates: the predicates.
+        **roles: maps names of parameters to roles or symbols, e.g. ``hand="first"``. Every other parameter stands for
+            the role of the same name.
+    """
+    return tuple(each(*(roles.get(p.name, p.name) for p in each.parameters)) for each in predicates)
 
 
 def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., FloatArray]:

@@ -11,7 +11,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
-from hybrid_tamp.skills import StaticEndEffector, bears_share, heavy_enough, within_reach
+from hybrid_tamp.skills import StaticEndEffector, bears_share, conditions, heavy_enough, within_reach
 
 TASK = hybrid_tamp.load_task(Path(__file__).resolve().parents[2] / "problems" / "lift_two_hands.yaml")
 BOX, HAND = TASK.token_by_name["box"], TASK.token_by_name["left-hand"]
@@ -76,3 +76,13 @@ def test_an_object_must_be_heavy_enough_for_the_errors_of_the_hands() -> None:
     for least, holds in ((0.9 * weight, True), (1.1 * weight, False)):
         fact = heavy_enough(BOX.classes[0], least, "lift", "tilt it instead of lifting it")
         assert (float(fact.evaluate(TASK.state, BOX)) >= 0.0) == holds
+
+
+def test_conditions_name_the_roles_of_their_parameters() -> None:
+    heavy = heavy_enough(BOX.classes[0], 1.0, "lift", "tilt it")
+    near = within_reach("reachable", PARAMETERS, around, reads={"object": ("position",)})
+    found = conditions((near, heavy), hand="first")
+    assert [(each.predicate, each.arguments, each.positive) for each in found] == [
+        (near, ("first", "object"), True),
+        (heavy, ("object",), True),
+    ]
