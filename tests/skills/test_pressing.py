@@ -120,3 +120,19 @@ def test_hands_touch_the_bottom_of_a_hollow() -> None:
     hollow = type(box).make("hollow box", box.classes, {**box.properties, "hollow": (0.01, 0.0, 0.0)}, shape=box.shape)
     assert contact_distance(hollow, "left") == pytest.approx(half_extent(hollow, "left") - 0.01)
     assert contact_distance(hollow, "top") == half_extent(hollow, "top") == half_extent(hollow, "bottom")
+
+
+@pytest.mark.parametrize("spin", [None, np.zeros(3)])
+@pytest.mark.parametrize("rise", [None, 0.1 * UP])
+def test_a_closing_hand_approaches_its_face_while_the_object_moves(
+    spin: FloatArray | None, rise: FloatArray | None
+) -> None:
+    """A hand that has closed half of the gap, and moves with the reference, needs no force."""
+    outward = normals(TASK.state, BOX, "left")[0]
+    planned = Pressure(np.asarray(0.5), np.asarray(2.0), ZERO, np.zeros(3), velocity=rise, spin=spin)
+    velocity = -2.0 * GAP * outward + (rise if rise is not None and spin is None else 0.0)
+    state = beside()
+    state = state.replace(
+        {(LEFT.name, "position"): state[LEFT, "position"] - 0.5 * GAP * outward, (LEFT.name, "velocity"): velocity}
+    )
+    assert forces(planned, state)[0] == pytest.approx(np.zeros(3), abs=1e-6)
