@@ -42,7 +42,18 @@ from .bearing import bear, bearing_system
 from .classes import Liftable
 from .load import largest_squeeze, squeeze_for
 from .places import FLOOR_TOLERANCE, Roles, height, places_of
-from .predicates import AT_PLACE, CLEAR_OF, LOWEST_LIFT, OF_BOX, OF_HAND, OUTSIDE, RAISED, STANDS, room_above
+from .predicates import (
+    AT_PLACE,
+    CLEAR_OF,
+    LOWEST_LIFT,
+    OF_BOX,
+    OF_HAND,
+    ON_SIDE,
+    RAISED,
+    STANDS,
+    WITHIN_REACH,
+    room_above,
+)
 
 MODES = {"two": "two hands", "four": "four hands"}
 """Maps each mode to its crew."""
@@ -131,7 +142,7 @@ def _together(
         Liftable,
         entry=(before, *_at_places(crew), *_able(crew)),
         # A box moves straight up and down, so its feasibility facts do not change.
-        keeps=(*OF_HAND, *OF_BOX, OUTSIDE, *keeps),
+        keeps=(ON_SIDE, WITHIN_REACH, *keeps),
         hyperparameters=(squeezing(partial(_squeezes, crew)), *hyperparameters),
         policy=partial(policy, crew, profile),
         system=partial(bearing_system, crew),

@@ -40,7 +40,6 @@ from .classes import Tumblable
 from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
 from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
 from .faces import FACE, POSTURES
-from .predicates import OUTSIDE
 from .tumbling_geometry import above_floor, place_at
 from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
 
@@ -118,8 +117,6 @@ REACH_BESIDE = make_reaching(
         entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH)),
         arrived=conditions((AT_FACE,)),
         lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
-        # The curve is about a box, and boxes do not roll.
-        keeps=(OUTSIDE,),
         description="the hand moves around the box to a place at a face and stays there",
     ),
     "beside",
@@ -133,7 +130,6 @@ REACH_AWAY = make_reaching(
         entry=(WITHIN_REACH("hand", "object"),),
         arrived=(),
         lasting=(CLEAR_OF_FLOOR("hand"),),
-        keeps=(OUTSIDE,),
         description="the hand releases the box and moves far enough away for the box to be lowered",
     ),
     "away",

@@ -6,7 +6,7 @@ from hybrid_tamp.authoring import ANY, Binding, FloatArray, Hyperparameter, Stat
 from hybrid_tamp.skills import Region, conditions, get_token, make_pushing
 
 from .classes import Rollable
-from .control_predicates import CLEAR_OF_FLOOR, CONTROL_PREDICATES
+from .control_predicates import LARGE_ENOUGH, ROUGH_ENOUGH
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .push import ROLL
 from .resistance import ROLLABLE_FACTS, SMALLEST_DECELERATION, usual_deceleration
@@ -29,11 +29,10 @@ REACH_BEHIND, ROLLING = make_pushing(
     # The reach has a fixed shape, which passes through large objects.
     lasting=(OUTSIDE("hand", "object"),),
     keeps=(
-        # The reach ends above the floor, and passes over the object.
-        (CLEAR_OF_FLOOR,),
+        (),
         # Rolling keeps the axis level and the centre on its line, so the feasibility facts do not change.
         # Objects that tumble are boxes, which do not roll.
-        (LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, OUTSIDE, POSTURE, *FEASIBLE_TUMBLING, *CONTROL_PREDICATES),
+        (LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, POSTURE, *FEASIBLE_TUMBLING, ROUGH_ENOUGH, LARGE_ENOUGH),
     ),
     hyperparameters=(
         Hyperparameter("speed", "m/s", 0.05, 0.6, lambda b, s: np.asarray(0.4), "largest speed"),

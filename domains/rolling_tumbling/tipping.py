@@ -54,7 +54,7 @@ from hybrid_tamp.skills import (
 from .classes import Tumblable
 from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH, TURNS_SLOWLY
 from .faces import FACE, POSTURES, faces_of
-from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
+from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .tumbling_geometry import edge_axis, edge_position
 from .tumbling_predicates import AT_FACE, HOLDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
@@ -121,7 +121,7 @@ def _tipping(
         always=(IN_WORKSPACE, CLEAR_OF_FLOOR),
         invariants=(TURNS_SLOWLY("object"),),
         # Boxes do not roll, so the facts of rolling do not change.
-        keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE),
+        keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
         ends={"object": ("near", "far", "before", "outcome")},
         hyperparameters=(
             Hyperparameter("rate", "rad/s", 0.1, 1.0, lambda b, s: np.asarray(0.5), "mean angular speed of the turn"),
@@ -168,7 +168,6 @@ TILTING = Block(
     exit=(*conditions((AT_FACE,)), AT_REST("hand")),
     invariants=conditions((IN_WORKSPACE, CLEAR_OF_FLOOR, POSTURE, TURNS_SLOWLY)),
     writes={"hand": MOTION},
-    keeps=(OUTSIDE,),
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0),
     hold=True,

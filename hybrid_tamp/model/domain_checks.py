@@ -1,11 +1,12 @@
 """Checks of the declarations of a domain."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from hybrid_tamp.errors import Issue
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
 from hybrid_tamp.model.block import FLOOR, Block
 from hybrid_tamp.model.declarations import Declarations
+from hybrid_tamp.model.frame import find_frame_faults
 from hybrid_tamp.model.predicate import ANY, Literal, Parameter, SymbolSort
 from hybrid_tamp.model.token import conflicts
 
@@ -20,7 +21,7 @@ def faults_of(domain: Declarations) -> list[Issue]:
         *_edges(domain),
         *_conditions(domain),
     ]
-    return faults or list(_frame(domain))
+    return faults or list(find_frame_faults(domain))
 
 
 def _twice(domain: Declarations) -> Iterator[Issue]:
@@ -217,29 +218,3 @@ def fits(sort: type[ObjectClass] | SymbolSort, parameter: Parameter) -> bool:
 def sort_name(sort: type[ObjectClass] | SymbolSort) -> str:
     """Return the name of a class or sort."""
     return sort.name
-
-
-def _frame(domain: Declarations) -> Iterator[Issue]:
-    """Yield a fault for each predicate that a block may change without declaring an effect or listing it in `keeps`."""
-    for block in domain.blocks:
-        for slot_name, written in block.writes.items():
-            slot_class = block.slot(slot_name).object_class
-            for predicate in domain.predicates:
-                if predicate in block.keeps or predicate.maintained or predicate.static:
-                    continue  # The planner tracks the movements of tokens in order to evaluate feasibility facts.
-                for index, parameter in enumerate(predicate.parameters):
-                    read = set(predicate.reads.get(parameter.name, ())) & set(written)
-                    if not read or isinstance(parameter.sort, SymbolSort):
-                        continue
-                    shared = domain.relations.can_share_token(parameter.sort, slot_class)
-                    if shared and not _handled((*block.exit, *block.invariants), predicate, index, slot_name):
-                        yield Issue(
-                            f"{block.name}.{slot_name}",
-                            f"the block must declare its effect on {predicate.name}({parameter.name}), "
-                            f"because the block writes {', '.join(sorted(read))}",
-                            remedy=f"add {predicate.name} to the exit conditions or to 'keeps'",
-                        )
-
-
-def _handled(exits: Iterable[Literal], predicate: object, index: int, slot: str) -> bool:
-    return any(literal.predicate is predicate and literal.arguments[index] == slot for literal in exits)

@@ -22,7 +22,7 @@ from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.effects import Promises, check_undeclared, check_velocities, check_writes
 from hybrid_tamp.testing.ends import check_ends
 from hybrid_tamp.testing.entering import report_closed, report_unestablished
-from hybrid_tamp.testing.facts import check_facts
+from hybrid_tamp.testing.facts import check_facts, check_keeps
 from hybrid_tamp.testing.laws import check_laws
 from hybrid_tamp.testing.margins import check_margins
 from hybrid_tamp.testing.refusals import add_refusal, predicates_of
@@ -87,6 +87,7 @@ class _Check:
         self._blocks = [b for b in task.domain.blocks if any(enumerate_bindings(task.choices(b)))]
         self._found, self._refused = Disagreements(), set[Block]()
         check_units(task, self._blocks, self._found)
+        check_keeps(task.domain, self._blocks, self._found)
         unsound = check_margins(task, self._blocks, self._found, self._other_rng)
         self._task = _without(task, unsound)
         self._refused.update(b for b in self._blocks if not unsound.isdisjoint(predicates_of(b)))

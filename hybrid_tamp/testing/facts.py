@@ -1,10 +1,13 @@
 """Checks that a block does not change certain facts, and that no margin exceeds its declared bound."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings
+from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.frame import explain_kept
 from hybrid_tamp.model.margins import ROUNDING, bound_margin
 from hybrid_tamp.model.predicate import Predicate, Value
 from hybrid_tamp.model.state import State
@@ -44,6 +47,15 @@ def check_facts(task: Task, first: State, rolled: Rollouts, found: Disagreements
             _check_fixed(task, predicate, rolled, found)
         if predicate.bound is not None:
             _check_bound(task, predicate, first, rolled, found, rng)
+
+
+def check_keeps(domain: Domain, blocks: Iterable[Block], found: Disagreements) -> None:
+    """Report each predicate in `keeps` that a block keeps without this declaration."""
+    for block in blocks:
+        for predicate in block.keeps:
+            if reason := explain_kept(domain, block, predicate):
+                declared = f"'keeps' must list {predicate.name}"
+                found.add("keeps", block, {}, declared, reason, remedy=f"remove {predicate.name} from 'keeps'")
 
 
 def _check_kept(task: Task, predicate: Predicate, rolled: Rollouts, found: Disagreements) -> None:

@@ -98,7 +98,8 @@ KINDS: Mapping[str, MistakeKind] = {
         "add the effect to 'exit'",
     ),
     "keeps": MistakeKind(
-        "A block made an atom true or false, but the block lists the predicate of this atom in `keeps`.",
+        "A block made an atom true or false, but the block lists the predicate of this atom in `keeps`. Or the block "
+        "keeps a predicate in `keeps` without this declaration.",
         "remove the predicate from 'keeps', and declare the effect in 'exit'",
     ),
     "fixed": MistakeKind(
