@@ -12,12 +12,12 @@ from hybrid_tamp.skills import (
     Region,
     competence,
     depth_in_region,
-    depth_in_workspace,
     extent,
     largest_depth,
     physical_bound,
     standing_height,
     to_body,
+    within_reach,
 )
 
 from .classes import Pushable, Pusher, Strikable, Striker
@@ -61,18 +61,13 @@ def _firm_strike(hand: Token, tool: Token, thing: Token) -> float:
     return largest_impulse(hand, tool, gripped=True) - float(thing["impulse_needed"])
 
 
-def _depth(hand: Token, *places: FloatArray) -> FloatArray:
-    """Return the smallest depth ``(...)`` [m] of positions ``(..., 3)`` [m] in the hand's workspace."""
-    return np.asarray(np.min([depth_in_workspace(hand, place) for place in places], axis=0))
-
-
-def _reach_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> FloatArray:
-    """Return the smallest depth [m], over all grasps, of the hand in its workspace at both ends of a push."""
+def _hands_of_push(state: State, hand: Token, tool: Token, thing: Token, region: Token) -> list[FloatArray]:
+    """Return the places ``(..., 3)`` [m] of a hand at either end of the handle, before and after a push."""
     ahead, _ = way(state, thing, region)
     back = (extent(state, thing, ahead) + tool["pushing_point"][2])[..., None]
     start = state[thing, "position"] - ahead * (back + STANDOFF)
     ends = (start * HORIZONTAL, (state[region, "position"] - ahead * back) * HORIZONTAL)
-    return _depth(hand, *(place + UP * (standing_height(tool) - tool[end][0]) for place in ends for end in HANDLE_ENDS))
+    return [place + UP * (standing_height(tool) - tool[end][0]) for place in ends for end in HANDLE_ENDS]
 
 
 def _reach_of_strike(state: State, hand: Token, tool: Token, thing: Token) -> FloatArray:
@@ -105,7 +100,7 @@ def _squareness_within(state: State, radius: float, thing: Token, region: Token)
 def _largest_reach_of_push(
     state: State, radius: float, hand: Token, tool: Token, thing: Token, region: Token
 ) -> FloatArray:
-    """Return an upper bound of `_reach_of_push` for all directions of the push."""
+    """Return an upper bound of the depth [m] in the workspace of `_hands_of_push`, for all directions of the push."""
     back = float(np.linalg.norm(thing["half_extents"])) + tool["pushing_point"][2]
     heights = [UP * (standing_height(tool) - tool[end][0]) for end in HANDLE_ENDS]
     ends = [largest_depth(hand, state[region, "position"] * HORIZONTAL + up, back) for up in heights]
@@ -162,10 +157,10 @@ SQUARE_TO = competence(
     description="{object} has a side perpendicular to the line to {region}",
     denial="{object} has no side perpendicular to the line to {region}, so a push would turn {object}",
 )
-PUSH_WITHIN_REACH = competence(
+PUSH_WITHIN_REACH = within_reach(
     "push_within_reach",
     (HAND, Parameter("tool", Pusher), Parameter("object", Pushable), Parameter("region", Region)),
-    _reach_of_push,
+    _hands_of_push,
     reads={"object": POSE, "region": ("position",)},
     bound=_largest_reach_of_push,
     description="{hand} can push {object} to {region} with {tool} without leaving the workspace of the hand",

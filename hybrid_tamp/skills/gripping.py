@@ -14,6 +14,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.skills.facts import within_reach
 from hybrid_tamp.skills.grippers import Graspable, Gripper
 from hybrid_tamp.skills.handles import (
     beside_handle,
@@ -21,10 +22,10 @@ from hybrid_tamp.skills.handles import (
     lowest_grasp,
     off_handle,
 )
-from hybrid_tamp.skills.predicates import competence, length_predicate, near, physical_bound
+from hybrid_tamp.skills.predicates import at_place, competence, length_predicate, physical_bound
 from hybrid_tamp.skills.roles import POSE, get_tokens
 from hybrid_tamp.skills.servos import hand_system
-from hybrid_tamp.skills.vectors import depth_in_workspace, point
+from hybrid_tamp.skills.vectors import point
 
 _OPEN = 0.7
 """Smallest ratio of the gap between an empty hand's fingers to the largest gap."""
@@ -57,12 +58,12 @@ class Grip:
     @cached_property
     def at_handle(self) -> Predicate:
         """``at_handle`` (hand, object): the hand is beside the handle, ready to grasp it."""
-        return length_predicate(
+        return at_place(
             "at_handle",
             self._both,
-            near(_BESIDE_TOLERANCE, beside_handle),
+            _BESIDE_TOLERANCE,
+            beside_handle,
             reads={"hand": ("position",), self.role: POSE},
-            kind=Kind.MAINTAINED,
             description=self._say("{hand} is beside the handle of {object}"),
             denial=self._say("{hand} is not beside the handle of {object}"),
         )
@@ -137,10 +138,10 @@ class Grip:
     @cached_property
     def handle_within_reach(self) -> Predicate:
         """``handle_within_reach`` (hand, object): both ends of the handle are in the hand's workspace."""
-        return competence(
+        return within_reach(
             "handle_within_reach",
             self._both,
-            _reach_of_handle,
+            lambda state, hand, thing: [point(state, thing, np.asarray(thing[end])) for end in HANDLE_ENDS],
             reads={self.role: POSE},
             description=self._say("the handle of {object} is inside the workspace of {hand}"),
             denial=self._say("the handle of {object} is not inside the workspace of {hand}"),
@@ -192,8 +193,3 @@ def _lift(hand: Token, thing: Token, factor: float) -> float:
 def _room(hand: Token, thing: Token) -> float:
     least = min(hand["radius"], hand["length"] / 2)
     return float(handle_length(thing) - lowest_grasp(thing, least))
-
-
-def _reach_of_handle(state: State, hand: Token, thing: Token) -> FloatArray:
-    ends = [depth_in_workspace(hand, point(state, thing, np.asarray(thing[end]))) for end in HANDLE_ENDS]
-    return np.asarray(np.min(ends, axis=0))
