@@ -80,10 +80,6 @@ def _time(distance: FloatArray, hyperparameters: Hyperparameters) -> FloatArray:
     return np.maximum(distance / np.asarray(hyperparameters["speed"]), _SHORTEST)
 
 
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    return float(_APPROACH + _time(_distance(binding, state, hyperparameters), hyperparameters))
-
-
 def _gap(state: State, tool: Token, thing: Token, ahead: FloatArray) -> FloatArray:
     """Return the distance ``(...)`` [m] between the pushing point and the near side of the object."""
     face = point(state, tool, np.asarray(tool["pushing_point"]))
@@ -206,7 +202,7 @@ PUSHING = Block(
         Hyperparameter("beyond", "m", -0.1, 0.1, lambda b, s: np.asarray(0.0), "distance beyond the region's centre"),
         Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.15), "mean speed of the push"),
     ),
-    duration=Duration(_APPROACH, 40.0, _expected),
+    duration=Duration(_APPROACH, 40.0),
     policy=_policy,
     system=_system,
     performance=(

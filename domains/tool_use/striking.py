@@ -19,7 +19,6 @@ from hybrid_tamp.authoring import (
     Duration,
     FloatArray,
     Hyperparameter,
-    Hyperparameters,
     Measure,
     Parameters,
     Policy,
@@ -48,7 +47,6 @@ from hybrid_tamp.skills import (
     norm,
     point,
     point_velocity,
-    pose_held,
     straight_profile,
     turn_between,
     turning_rate,
@@ -58,7 +56,7 @@ from hybrid_tamp.skills import (
 from .arc import WINDING_UP, Arc, in_plane, on_arc
 from .classes import DexterousHand, Strikable, Striker
 from .feasibility import ABLE_TO_STRIKE, FIRM_ENOUGH, STRIKE_WITHIN_REACH
-from .geometry import LEVEL, butt, strike_place, top
+from .geometry import LEVEL, butt, top
 from .impact import bounced, impulse_within_period
 from .predicates import HELD, IN_STRIKE_STANCE, STANDS, STRUCK, TILTED_UP
 from .swing import LARGEST_RADIUS
@@ -67,19 +65,12 @@ _ABOVE = 0.15
 """Angle above the horizontal to which the hand raises the tool after the impact [rad]."""
 _RAISING_RATE = 20.0
 """Natural frequency of the servo that raises the tool [rad/s]."""
-_SETTLING = 0.2
-"""Time from the impact until the tool is raised and at rest [s]."""
 _TOUCH = 1e-6
 
 
 def _roles(binding: Binding) -> tuple[Token, Token, Token]:
     hand, tool, thing = get_tokens(binding, "hand", "tool", "object")
     return hand, tool, thing
-
-
-def _expected(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-    arc = Arc(binding, state, hyperparameters)
-    return float(arc.winding + arc.swing.duration(_roles(binding)[0]) + _SETTLING)
 
 
 def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
@@ -181,16 +172,6 @@ def _hand_speed(binding: Binding, state: State) -> FloatArray:
     return norm(state[_roles(binding)[0], "velocity"])
 
 
-def _outcome(binding: Binding, state: State) -> State:
-    """Return the state with the object struck and the tool raised above the object."""
-    hand, tool, thing = _roles(binding)
-    place = strike_place(state, hand, tool, top(state, thing))
-    orientation = attitude(yaw(state, tool), LEVEL - _ABOVE)
-    return state.replace(
-        {**pose_held(state, hand, tool, place, orientation), (thing.name, "impulse"): thing["impulse_needed"]}
-    )
-
-
 def _offset(name: str, lower: float, upper: float, description: str) -> Hyperparameter:
     return Hyperparameter(name, "m", lower, upper, lambda binding, state: np.asarray(0.0), description)
 
@@ -231,7 +212,7 @@ STRIKING = Block(
         _offset("target_x", -0.03, 0.03, "forward offset of the target from the centre of the object's top"),
         _offset("target_y", -0.03, 0.03, "leftward offset of the target from the centre of the object's top"),
     ),
-    duration=Duration(WINDING_UP, 10.0, _expected),
+    duration=Duration(WINDING_UP, 10.0),
     policy=_policy,
     system=_system,
     performance=(
@@ -244,6 +225,5 @@ STRIKING = Block(
         ),
         Measure("hand_speed", "m/s", -0.1, peak=_hand_speed, description="largest speed of the hand"),
     ),
-    outcome=_outcome,
     description="the hand swings the tool until the tool's impact point hits the top of the object",
 )

@@ -31,8 +31,6 @@ HeldPose = tuple[FloatArray, FloatArray, FloatArray]
 Goal = Callable[[Binding, State], HeldPose]
 """``goal(binding, state)`` returns the pose to which a hand brings the object that it holds."""
 
-_SETTLING = 0.1
-"""Time from the end of the reach until the hand and the object are at rest [s]."""
 _TURN = (0.3, 0.4)
 """Beginning and duration of the object's turn, as fractions of the reach's duration."""
 _UNSEEN = "the block uses only the initial pose of the object, so the block allows other hands to move the object"
@@ -105,7 +103,7 @@ def make_carrying(
     if feasible is None:
         feasible = (_goal_within_reach(grip, goal, targets)("hand", role, *(target.name for target in targets)),)
 
-    chosen, duration = time_of_reach(_way(goal), 1.2, _SETTLING)
+    chosen, duration = time_of_reach(_way(goal), 1.2)
     return Block(
         name=name,
         slots=(Slot("hand", grip.hand), Slot(role, thing or grip.thing)),

@@ -7,7 +7,6 @@ import numpy as np
 
 from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, Hyperparameter, Hyperparameters, Parameters, Policy, PolicyMaker
-from hybrid_tamp.model.grasp import FINGER_SPEED
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
@@ -68,15 +67,6 @@ def _reach(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> ReachGoa
 def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
     role = grip.role
 
-    def seconds(binding: Binding, state: State, hyperparameters: Hyperparameters) -> float:
-        hand, thing = get_tokens(binding, "hand", role)
-        return float(_CLOSES_AFTER + (hand["maximal_aperture"] - thing["handle_width"]) / FINGER_SPEED + 0.01)
-
-    def grasped(binding: Binding, state: State) -> State:
-        hand, thing = get_tokens(binding, "hand", role)
-        place = point(state, thing, on_handle(thing, handle_length(thing) / 2))
-        return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): thing["handle_width"]})
-
     return Block(
         name="GRASPING",
         slots=(Slot("hand", grip.hand), Slot(role, grip.thing)),
@@ -89,12 +79,11 @@ def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
         writes={"hand": (*MOTION, "aperture")},
         allowed_contacts=(("hand", role), (role, FLOOR)),
         hyperparameters=(_grasp_location(role),),
-        duration=Duration(_APPROACH, 5.0, seconds),
+        duration=Duration(_APPROACH, 5.0),
         hold=True,
         policy=_closing(role),
         system=gripping_system(role),
         performance=(_contact(role),),
-        outcome=grasped,
         description="the hand moves to the grasp location and closes on the handle",
     )
 
@@ -145,11 +134,6 @@ def _closing(role: str) -> PolicyMaker:
 def _release(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
     role = grip.role
 
-    def released(binding: Binding, state: State) -> State:
-        hand, thing = get_tokens(binding, "hand", role)
-        place = beside_handle(state, hand, thing)
-        return state.replace({(hand.name, "position"): place, (hand.name, "aperture"): hand["maximal_aperture"]})
-
     return Block(
         name="RELEASING",
         slots=(Slot("hand", grip.hand), Slot(role, grip.thing)),
@@ -161,10 +145,9 @@ def _release(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
         invariants=(IN_WORKSPACE("hand"), stands),
         writes={"hand": (*MOTION, "aperture")},
         allowed_contacts=(("hand", role), (role, FLOOR)),
-        duration=Duration(_OPENING + _LEAVING, 5.0, lambda binding, state, values: _OPENING + _LEAVING + 0.05),
+        duration=Duration(_OPENING + _LEAVING, 5.0),
         policy=_opening(role),
         system=gripping_system(role),
-        outcome=released,
         description=f"the hand opens and moves away, and the {role} remains standing",
     )
 

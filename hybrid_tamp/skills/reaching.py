@@ -73,20 +73,23 @@ class Transit:
 
 
 def time_of_reach(
-    distance: Callable[[Binding, State], FloatArray], least: float, settling: float
+    distance: Callable[[Binding, State], FloatArray], least: float, settling: float | None = None
 ) -> tuple[Hyperparameter, Duration]:
     """Return the hyperparameter ``duration`` of a reach and the `Duration` of its block.
 
     Args:
         distance: ``distance(binding, state)`` returns the distance ``(...)`` [m] that determines the initial value.
         least: lower bound of the hyperparameter [s].
-        settling: time from the end of the reach until the hand is at rest [s].
+        settling: time from the end of the reach until the hand is at rest [s]. None if the expected duration follows
+            from a rollout.
     """
 
     def initial_value(binding: Binding, state: State) -> FloatArray:
         return np.asarray(1.2 + (distance(binding, state) + 2 * _LIFT) / (2 * _MEAN_SPEED))
 
     chosen = Hyperparameter("duration", "s", least, 8.0, initial_value, "duration of the reach")
+    if settling is None:
+        return chosen, Duration(0.3, 12.0)
     return chosen, Duration(0.3, 12.0, lambda binding, state, values: float(values["duration"]) + settling)
 
 
