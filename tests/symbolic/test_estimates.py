@@ -54,7 +54,9 @@ def test_a_second_reach_starts_where_the_first_roll_ended() -> None:
         if instance.block == "REACHING:behind"
     )
     assert second.seconds < first.seconds
-    assert second.outcome["hand 0", "position"][0] == pytest.approx(first.outcome["hand 0", "position"][0] + 0.7)
+    # The expected roll ends a few millimetres from the middle of the region.
+    moved = second.outcome["hand 0", "position"][0] - first.outcome["hand 0", "position"][0]
+    assert moved == pytest.approx(0.7, abs=0.005)
 
 
 def test_instances_with_known_beginnings_are_rolled_out_together(monkeypatch: pytest.MonkeyPatch) -> None:
