@@ -96,7 +96,6 @@ from hybrid_tamp.motion.constants import GRAVITY as GRAVITY
 from hybrid_tamp.motion.dmp import DMP as DMP
 from hybrid_tamp.motion.limit_surface import load_ratio as load_ratio
 from hybrid_tamp.motion.minimum_jerk import minimum_jerk as minimum_jerk
-from hybrid_tamp.motion.poses import angle_about as angle_about
 from hybrid_tamp.motion.poses import cross as cross
 from hybrid_tamp.motion.poses import integrate as integrate
 from hybrid_tamp.motion.poses import normalized as normalized
@@ -108,3 +107,4 @@ from hybrid_tamp.motion.poses import quaternion_multiply as quaternion_multiply
 from hybrid_tamp.motion.poses import quaternion_of_rotation as quaternion_of_rotation
 from hybrid_tamp.motion.poses import rotate as rotate
 from hybrid_tamp.motion.profile import Profile as Profile
+from hybrid_tamp.motion.turned_angle import angle_about as angle_about

@@ -7,7 +7,7 @@ contrast to Sola, the scalar part of a quaternion comes last.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hybrid_tamp.motion import columns
+from hybrid_tamp.motion import columns, singles
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.component_products import EACH_ROW, HAMILTON, ROW_SUMS, TURN, products
 
@@ -15,7 +15,8 @@ _CONJUGATION = np.array([-1.0, -1.0, -1.0, 1.0])
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
-def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
+def check_size(values: ArrayLike, size: int, name: str) -> FloatArray:
+    """Return values as an array of numbers ``(..., size)``, or raise a `ValueError` if the last dimension differs."""
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != size:
         raise ValueError(f"{name} must have shape (..., {size}), got {array.shape}")
@@ -24,6 +25,8 @@ def _array(values: ArrayLike, size: int, name: str) -> FloatArray:
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the cross products of vectors ``(..., 3)``, several times as fast as `numpy.cross`."""
+    if a.size == 3 and b.size == 3:
+        return singles.cross(a, b)
     if columns.is_large(a, b):
         return columns.cross(a, b)
     return np.asarray(a.take(_NEXT, -1) * b.take(_LAST, -1) - a.take(_LAST, -1) * b.take(_NEXT, -1))
@@ -42,6 +45,8 @@ def normalized(vectors: ArrayLike) -> FloatArray:
         ValueError: if a vector is zero or not finite.
     """
     array = np.asarray(vectors, dtype=np.float64)
+    if array.ndim and 0 < array.size == array.shape[-1] <= singles.SHORT:
+        return singles.normalized(array)
     # The division by the largest component prevents underflow and overflow of the squares.
     largest = np.max(np.abs(array), axis=-1, keepdims=True)
     if not np.all((largest > 0.0) & np.isfinite(largest)):
@@ -63,7 +68,9 @@ def quaternion_multiply(a: ArrayLike, b: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if a last dimension is not 4.
     """
-    left, right = _array(a, 4, "a"), _array(b, 4, "b")
+    left, right = check_size(a, 4, "a"), check_size(b, 4, "b")
+    if left.size == 4 and right.size == 4:
+        return singles.multiply(left, right)
     return columns.multiply(left, right) if columns.is_large(left, right) else products(left, right, HAMILTON)
 
 
@@ -79,7 +86,7 @@ def quaternion_conjugate(quaternion: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if the last dimension is not 4.
     """
-    return np.asarray(_array(quaternion, 4, "quaternion") * _CONJUGATION)
+    return np.asarray(check_size(quaternion, 4, "quaternion") * _CONJUGATION)
 
 
 def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
@@ -95,7 +102,9 @@ def rotate(quaternion: ArrayLike, vectors: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if the last dimension of the quaternions is not 4 or the last dimension of the vectors is not 3.
     """
-    unit, source = _array(quaternion, 4, "quaternion"), _array(vectors, 3, "vectors")
+    unit, source = check_size(quaternion, 4, "quaternion"), check_size(vectors, 3, "vectors")
+    if unit.size == 4 and singles.are_few(source):
+        return singles.rotate(unit, source)
     if columns.is_large(unit, source):
         return columns.rotate(unit, source)
     terms = products(unit, unit, TURN) * source.take(EACH_ROW, -1)
@@ -114,7 +123,10 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if the last dimension is not 3.
     """
-    half = 0.5 * _array(vector, 3, "vector")
+    turns = check_size(vector, 3, "vector")
+    if turns.size == 3:
+        return singles.exponential(turns)
+    half = 0.5 * turns
     # For a zero vector, the constant prevents 0 / 0. For other vectors, the constant is lost in rounding.
     half_angle = np.sqrt(np.einsum("...i,...i->...", half, half) + 1e-60)[..., None]
     return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
@@ -134,8 +146,11 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike, *, unit: bool 
     Raises:
         ValueError: if an axis is zero or not finite, or if the last dimension of the axes is not 3.
     """
-    unit_axis = _array(axis, 3, "axis") if unit else normalized(_array(axis, 3, "axis"))
-    half_angle = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
+    unit_axis = check_size(axis, 3, "axis") if unit else normalized(check_size(axis, 3, "axis"))
+    angles = np.asarray(angle, dtype=np.float64)
+    if unit_axis.size == 3 and angles.size == 1:
+        return singles.turn(unit_axis, angles)
+    half_angle = 0.5 * angles[..., None]
     vector = np.sin(half_angle) * unit_axis
     return np.concatenate([vector, np.cos(half_angle) + np.zeros_like(vector[..., :1])], axis=-1)
 
@@ -152,7 +167,7 @@ def quaternion_from_rpy(rpy: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if the last dimension is not 3.
     """
-    angles = _array(rpy, 3, "rpy")
+    angles = check_size(rpy, 3, "rpy")
     half = 0.5 * angles
     (cr, cp, cy), (sr, sp, sy) = np.moveaxis(np.cos(half), -1, 0), np.moveaxis(np.sin(half), -1, 0)
     # These are the components of the product of the three rotations.
@@ -189,7 +204,7 @@ def rotation_vector(quaternion: ArrayLike) -> FloatArray:
     Raises:
         ValueError: if the last dimension is not 4.
     """
-    unit = _array(quaternion, 4, "quaternion")
+    unit = check_size(quaternion, 4, "quaternion")
     # q and -q represent the same rotation. The quaternion with w >= 0 has an angle of at most pi.
     unit = np.where(unit[..., 3:] < 0.0, -unit, unit)
     vector, scalar = unit[..., :3], unit[..., 3:]
@@ -214,37 +229,16 @@ def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike)
     Raises:
         ValueError: if a last dimension is wrong or a quaternion is zero.
     """
-    turn = _array(angular_velocity, 3, "angular_velocity") * np.asarray(dt, dtype=np.float64)[..., None]
-    product = quaternion_multiply(quaternion_from_rotation_vector(turn), quaternion)
+    before, speed, time = (
+        check_size(quaternion, 4, "quaternion"),
+        check_size(angular_velocity, 3, "angular_velocity"),
+        np.asarray(dt, dtype=np.float64),
+    )
+    if before.size == 4 and speed.size == 3 and time.ndim == 0:
+        return singles.integrate(before, speed, float(time))
+    product = quaternion_multiply(quaternion_from_rotation_vector(speed * time[..., None]), before)
     # Without normalisation, the length would drift over thousands of steps.
     square = np.einsum("...i,...i->...", product, product)
     if not np.all(square > 0.0):
         raise ValueError("cannot normalise a quaternion that is zero or not finite")
     return np.asarray(product / np.sqrt(square)[..., None])
-
-
-def angle_about(axis: ArrayLike, quaternions: ArrayLike) -> FloatArray:
-    """Return the accumulated rotation angle about a body-fixed axis. The angle is not wrapped.
-
-    The angle is the integral of the angular velocity's component along the axis. The function sums the rotations
-    between consecutive samples, projected on the axis. Between two samples, the angle must be below pi.
-
-    Args:
-        axis: axis in the body frame, of any non-zero length, shape ``(..., 3)``.
-        quaternions: time series of orientations ``world_from_body``, shape ``(t, ..., 4)``.
-
-    Returns:
-        Right-handed angles about the axis [rad], shape ``(t, ...)``. The first angle is 0.
-
-    Raises:
-        ValueError: if the axis is zero, if a last dimension is wrong, or if there is no time dimension.
-    """
-    series, unit_axis = _array(quaternions, 4, "quaternions"), normalized(_array(axis, 3, "axis"))
-    if series.ndim < 2 or len(series) == 0:
-        raise ValueError(f"quaternions must have shape (t, ..., 4) with t at least 1, got {series.shape}")
-    # If the axis has more batch dimensions than the series, the missing dimensions are inserted after the time.
-    missing = max(0, unit_axis.ndim + 1 - series.ndim)
-    series = series.reshape(len(series), *(1,) * missing, *series.shape[1:])
-    before_from_after = quaternion_multiply(quaternion_conjugate(series[:-1]), series[1:])
-    steps = np.sum(rotation_vector(before_from_after) * unit_axis, axis=-1)
-    return np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import (
-    angle_about,
     integrate,
     normalized,
     quaternion_conjugate,
@@ -18,6 +17,7 @@ from hybrid_tamp.motion.poses import (
     rotate,
     rotation_vector,
 )
+from hybrid_tamp.motion.turned_angle import angle_about
 
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
 components = st.floats(-1.0, 1.0, allow_subnormal=False)
