@@ -21,6 +21,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.columns import stored_by_column
 
 IntArray = NDArray[np.int64]
 
@@ -87,16 +88,14 @@ class InstanceModel:
 
         `late` says in which steps the minimum duration is over. The mask is false in all other steps. Shape ``(t,)``.
         """
-        steps, rows = np.nonzero(np.broadcast_to(late[:, None], run.values.shape[:-1]))
+        found = np.repeat(late[:, None], run.values.shape[1], axis=1)
+        first = int(late.argmax())
         # Conditions with fewer arguments are cheaper. A condition is computed only where all cheaper conditions hold.
         for literal in sorted(self.block.measured_exits, key=lambda literal: len(literal.arguments)):
-            if not len(steps):
-                break
-            margin = literal.margin(self.state(run.values[steps, rows]), self.binding)
-            holds = np.broadcast_to(margin >= 0, steps.shape)
-            steps, rows = steps[holds], rows[holds]
-        found = np.zeros(run.values.shape[:-1], dtype=bool)
-        found[steps, rows] = True
+            if found[first:].all():
+                found[first:] = literal.margin(self.state(run.values[first:]), self.binding) >= 0
+            elif found.any():
+                found[found] = literal.margin(self.state(run.values[found]), self.binding) >= 0
         return found
 
     def _margins(self, literals: Sequence[Literal], state: State) -> FloatArray:
@@ -165,8 +164,9 @@ class Population:
         """Continue the rollout with the given rows only."""
         self.rows = rows
         mine = {name: value[rows] for name, value in self.chosen.items()}
-        self.running = self.model.start_from(self.start[rows], mine)
-        self.state = self.model.state(self.after[rows])
+        # Policies and systems read properties of all candidates, so a large batch is stored property by property.
+        self.running = self.model.start_from(stored_by_column(self.start[rows]), mine)
+        self.state = self.model.state(stored_by_column(self.after[rows]))
 
     def advance(self) -> None:
         """Advance by one chunk of control steps, check the conditions, and store the results of finished candidates."""

@@ -25,7 +25,7 @@ def extent(state: State, token: Token, direction: FloatArray) -> FloatArray:
     if isinstance(shape, Sphere):
         return np.full(local.shape[:-1], shape.radius)
     if isinstance(shape, Box):
-        return np.asarray(np.abs(local) @ np.asarray(shape.half_extents))
+        return np.asarray(np.ascontiguousarray(np.abs(local)) @ np.asarray(shape.half_extents))
     return np.asarray((local @ corners_of(shape).T).max(axis=-1))
 
 

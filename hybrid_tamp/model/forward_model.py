@@ -22,6 +22,10 @@ _HUGE = 1e300
 """Largest squared norm of a finite command. A command with a larger norm is treated as infinite."""
 
 
+_NEARLY = 1.0 - 1e-12
+"""Share of the squared limit of a command below which rounding errors of the squared norm do not matter."""
+
+
 class ForwardModel:
     """The policy and the continuous system of one instance, for states of batch shape ``(...)``."""
 
@@ -60,9 +64,9 @@ class ForwardModel:
         check_commands(self._names[0], self._binding, commands, self._sizes, seen)
         finite = self._sound
         for key, command in commands.items():
-            square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
-            # This comparison is also false for infinities and NaNs.
-            if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
+            limit = self._limits.get(key, np.inf)
+            # This comparison is also false for infinities and NaNs. For commands close to the limit, `_limited` decides.
+            if not np.maximum.reduce(np.vecdot(command, command), axis=None) <= min(limit**2 * _NEARLY, _HUGE):
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite = finite & sound
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
@@ -122,6 +126,7 @@ def _done(block: Block, binding: Binding, state: State) -> bool:
 
 def _limited(command: FloatArray, limit: float) -> FloatArray:
     """Return the command, scaled down if its norm exceeds the limit. Execution scales commands in the same way."""
+    command = np.ascontiguousarray(command)
     norm = np.sqrt(np.einsum("...i,...i->...", command, command))
     return np.asarray(command * np.minimum(1.0, limit / np.maximum(norm, limit))[..., None])
 

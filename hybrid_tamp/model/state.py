@@ -86,7 +86,7 @@ class State:
         Raises:
             UnknownProperty: the state does not contain the token or the property.
         """
-        values = self.values.copy()
+        values = self.values.copy("K")
         for key, value in changes.items():
             try:
                 columns = self.layout.slices[key]

@@ -39,6 +39,6 @@ class View:
         """Return a state of shape ``(..., n)`` with the values of the instance's tokens from a view ``(..., m)``."""
         if self._whole:
             return seen
-        values = state.values.copy()
+        values = state.values.copy("K")
         values[..., self.columns] = seen.values
         return State(state.layout, values)

@@ -23,6 +23,13 @@ def check_size(values: ArrayLike, size: int, name: str) -> FloatArray:
     return array
 
 
+def _sum_squares(vectors: FloatArray) -> FloatArray:
+    """Return the squared norms ``(...)`` of vectors ``(..., 3)`` or quaternions ``(..., 4)``."""
+    if columns.is_large(vectors, vectors):
+        return columns.sum_squares(vectors)
+    return np.asarray(np.einsum("...i,...i->...", vectors, vectors))
+
+
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the cross products of vectors ``(..., 3)``, several times as fast as `numpy.cross`."""
     if a.size == 3 and b.size == 3:
@@ -128,7 +135,7 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
         return singles.exponential(turns)
     half = 0.5 * turns
     # For a zero vector, the constant prevents 0 / 0. For other vectors, the constant is lost in rounding.
-    half_angle = np.sqrt(np.einsum("...i,...i->...", half, half) + 1e-60)[..., None]
+    half_angle = np.sqrt(_sum_squares(half) + 1e-60)[..., None]
     return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
 
 
@@ -238,7 +245,7 @@ def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike)
         return singles.integrate(before, speed, float(time))
     product = quaternion_multiply(quaternion_from_rotation_vector(speed * time[..., None]), before)
     # Without normalisation, the length would drift over thousands of steps.
-    square = np.einsum("...i,...i->...", product, product)
+    square = _sum_squares(product)
     if not np.all(square > 0.0):
         raise ValueError("cannot normalise a quaternion that is zero or not finite")
     return np.asarray(product / np.sqrt(square)[..., None])

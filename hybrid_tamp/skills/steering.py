@@ -40,7 +40,7 @@ def steer(state: State, thing: Token, line: FloatArray, axes: FloatArray) -> tup
     local = rotate(quaternion_conjugate(state[thing, "orientation"])[..., None, :], axes)
     turned = (np.pi / 4 - np.arctan2(local[..., 0, 1], local[..., 0, 0])) % (np.pi / 2) - np.pi / 4
     spin = state[thing, "angular_velocity"][..., 2]
-    reach = np.abs(local) @ half_extents
+    reach = np.ascontiguousarray(np.abs(local)) @ half_extents
     depth, width = reach[..., 0], _MARGIN * reach[..., 1]
     wanted = np.minimum(np.maximum(-_RETURNING * off, -_LARGEST_TURN), _LARGEST_TURN)
     beside = np.minimum(np.maximum(_STEERING * (turned - wanted), -width), width)

@@ -9,7 +9,9 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
 _ROWS = 64
-"""Number of control periods that are evaluated at once."""
+"""Largest number of control periods that are evaluated at once."""
+_VALUES = 16384
+"""Largest number of control periods times states that are evaluated at once. More would not fit into the caches."""
 
 Reference = Callable[[FloatArray], tuple[FloatArray, ...]]
 """Maps elapsed times ``(...)`` [s] to a tuple of quantities, each ``(..., d)``."""
@@ -25,6 +27,7 @@ class Timetable:
         """Wrap a reference for states with the batch shape of `start`."""
         self._read = read
         self._batch = start.values.ndim - 1
+        self._rows = max(1, min(_ROWS, _VALUES // max(1, start.values[..., 0].size)))
         self._page = -1
         self._table: tuple[FloatArray, ...] = ()
 
@@ -36,12 +39,12 @@ class Timetable:
         step = round(place)
         if step < 0 or abs(place - step) > 1e-6:
             return self._read(np.asarray(elapsed))
-        page, row = divmod(step, _ROWS)
+        page, row = divmod(step, self._rows)
         if page != self._page:
-            times = np.asarray((page * _ROWS + np.arange(_ROWS)) * CONTROL_PERIOD, dtype=np.float64)
+            times = np.asarray((page * self._rows + np.arange(self._rows)) * CONTROL_PERIOD, dtype=np.float64)
             self._table = self._read(times.reshape(-1, *(1,) * self._batch))
             self._page = page
-        return tuple(quantity[row] for quantity in self._table)
+        return tuple([quantity[row] for quantity in self._table])
 
 
 def round_up(seconds: FloatArray | float) -> float:
