@@ -65,7 +65,7 @@ class ForwardModel:
         finite = self._sound
         for key, command in commands.items():
             limit = self._limits.get(key, np.inf)
-            # This comparison is also false for infinities and NaNs. For commands close to the limit, `_limited` decides.
+            # The comparison is also false for infinities and NaNs. `_limited` decides on commands close to the limit.
             if not np.maximum.reduce(np.vecdot(command, command), axis=None) <= min(limit**2 * _NEARLY, _HUGE):
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite = finite & sound

@@ -65,7 +65,8 @@ def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
     """Rotate vectors ``(..., 3)`` by unit quaternions ``(..., 4)``: ``v + w t + u x t`` with ``t = 2 u x v``."""
     if q.ndim == v.ndim == 3 and len(q) == len(v) and q.shape[1] == 1 < v.shape[1]:
         # Each quaternion rotates several vectors. The long dimension comes last, so that numpy has few inner loops.
-        return rotate(q.transpose(1, 0, 2), np.ascontiguousarray(v.T).T.transpose(1, 0, 2)).transpose(1, 0, 2)
+        moved: FloatArray = rotate(q.transpose(1, 0, 2), np.ascontiguousarray(v.T).T.transpose(1, 0, 2))
+        return np.asarray(moved.transpose(1, 0, 2))
     out = np.empty((3, *_batch(q, v)))
     (x, y, z, w), (a, b, c) = _split(q), _split(v)
     first, second, third = y * c, z * a, x * b
@@ -101,9 +102,9 @@ def _batch(one: FloatArray, other: FloatArray) -> tuple[int, ...]:
 
 def _split(array: FloatArray) -> FloatArray:
     """Return the components of an array ``(..., d)``, as an array ``(d, ...)``."""
-    return array.T if array.ndim == 2 else array.transpose(array.ndim - 1, *range(array.ndim - 1))
+    return np.asarray(array.T if array.ndim == 2 else array.transpose(array.ndim - 1, *range(array.ndim - 1)))
 
 
 def _join(components: FloatArray) -> FloatArray:
     """Return an array ``(..., d)`` of components ``(d, ...)``."""
-    return components.T if components.ndim == 2 else components.transpose(*range(1, components.ndim), 0)
+    return np.asarray(components.T if components.ndim == 2 else components.transpose(*range(1, components.ndim), 0))

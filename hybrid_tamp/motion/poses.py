@@ -236,11 +236,8 @@ def integrate(quaternion: ArrayLike, angular_velocity: ArrayLike, dt: ArrayLike)
     Raises:
         ValueError: if a last dimension is wrong or a quaternion is zero.
     """
-    before, speed, time = (
-        check_size(quaternion, 4, "quaternion"),
-        check_size(angular_velocity, 3, "angular_velocity"),
-        np.asarray(dt, dtype=np.float64),
-    )
+    before, speed = check_size(quaternion, 4, "quaternion"), check_size(angular_velocity, 3, "angular_velocity")
+    time = np.asarray(dt, dtype=np.float64)
     if before.size == 4 and speed.size == 3 and time.ndim == 0:
         return singles.integrate(before, speed, float(time))
     product = quaternion_multiply(quaternion_from_rotation_vector(speed * time[..., None]), before)

@@ -59,3 +59,35 @@ def test_integration_keeps_the_length() -> None:
     assert np.linalg.norm(turn) == pytest.approx(1.0, abs=1e-15)
     with pytest.raises(ValueError, match="zero or not finite"):
         integrate(np.zeros(4), np.ones(3), 0.1)
+
+
+def test_the_order_in_memory_changes_no_bits() -> None:
+    rng = np.random.default_rng(8)
+    q, r = (normalized(rng.normal(size=(400, 4))) for _ in range(2))
+    u, v = (rng.normal(size=(400, 3)) for _ in range(2))
+    stored = [columns.stored_by_column(each) for each in (q, r, u, v)]
+    assert all(each.T.flags.c_contiguous for each in stored)
+    for function, *arguments in ((cross, 2, 3), (rotate, 0, 3), (quaternion_multiply, 0, 1)):
+        found = function(*(stored[index] for index in arguments))
+        assert found.tobytes() == function(*((q, r, u, v)[index] for index in arguments)).tobytes()
+    assert integrate(stored[0], stored[3], 0.1).tobytes() == integrate(q, v, 0.1).tobytes()
+
+
+def test_small_batches_keep_their_order_in_memory() -> None:
+    small = np.zeros((100, 7))
+    assert columns.stored_by_column(small) is small
+    assert columns.stored_by_column(np.zeros((101, 7))) is not small
+
+
+def test_the_sum_of_squares_has_the_bits_of_einsum() -> None:
+    for size in (3, 4):
+        vectors = np.random.default_rng(9).normal(size=(500, size))
+        assert columns.sum_squares(vectors).tobytes() == np.einsum("...i,...i->...", vectors, vectors).tobytes()
+
+
+def test_each_of_many_quaternions_rotates_several_vectors() -> None:
+    rng = np.random.default_rng(10)
+    q, v = normalized(rng.normal(size=(300, 1, 4))), rng.normal(size=(300, 2, 3))
+    together = rotate(q, v)
+    for index in range(2):
+        assert together[:, index].tobytes() == rotate(q[:, 0], v[:, index]).tobytes()
