@@ -113,7 +113,8 @@ class Logbook:
         """
         self._states.append(period.state.values)
         self._commands.append(period.row)
-        self._cuts.update((within[key[0]], key) for key in period.cut if key[0] in within)
+        if period.cut:
+            self._cuts.update((within[key[0]], key) for key in period.cut if key[0] in within)
         worst: Contact | None = None
         for one, other, force in period.contacts:
             tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))

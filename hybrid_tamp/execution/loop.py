@@ -11,8 +11,6 @@ finish first are over. The run fails if the reassignment has not happened `PATIE
 from collections.abc import Callable, Collection, Iterable
 from copy import copy
 
-import numpy as np
-
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.execution.ending import record_end, record_failure
 from hybrid_tamp.execution.events import Event, Observer
@@ -33,6 +31,7 @@ from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
 from hybrid_tamp.model.reassignment import Reassignment, initial
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import are_finite
 from hybrid_tamp.physics.protocol import Backend
 
 Progress = Callable[[float, float], None]
@@ -138,7 +137,7 @@ class Run:
 
     def _might_begin(self, names: Collection[str]) -> bool:
         """Return whether one of the named instances might begin now, because all instances that it replaces can end."""
-        return any(
+        return bool(names) and any(
             any(instance.name in names for instance in event.starting) and self._are_ready(event.ending)
             for _, event in self._pending.enabled
         )
@@ -241,7 +240,7 @@ class Run:
         commanded = command_instances(self._layout, self._running.values(), self._time, self._state)
         row, cut = self._layout.limited(commanded)
         after = self._backend.step(self._layout.commands(row))
-        if not np.isfinite(after.values).all():
+        if not are_finite(after.values):
             raise blame_state(after, self._running.values(), self._time)
         self._steps += 1
         self._state, self._time = after, self._steps * self._backend.timestep

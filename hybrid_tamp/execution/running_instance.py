@@ -17,7 +17,7 @@ from hybrid_tamp.model.shapes import check_commands, sizes_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.view import View
-from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.arrays import FloatArray, are_finite
 
 
 class RunError(Exception):
@@ -203,7 +203,7 @@ def command_instances(layout: CommandLayout, running: Collection[Running], time:
     for each in running:
         commands.update(each.command(time, state))
     row = layout.row(commands)
-    if not np.isfinite(row).all():
+    if not are_finite(row):
         for each in running:
             each.check_finite(commands)
     return row

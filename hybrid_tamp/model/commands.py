@@ -51,15 +51,15 @@ class CommandLayout(Layout):
             CommandError: if a command has an unknown token or action, or a wrong size.
         """
         row = np.zeros(self.size)
-        slices = self.slices
+        places = self._places
         for key, command in commands.items():
-            columns = slices.get(key)
-            if columns is None:
+            if key not in places:
                 known = ", ".join(f"{action} on {token}" for token, action in self.slices)
                 raise CommandError(f"cannot command {key[1]} on {key[0]}; available: {known or 'none'}")
-            if np.shape(command) != (columns.stop - columns.start,):
-                wanted = columns.stop - columns.start
-                raise CommandError(f"command {key[1]} on {key[0]} must have shape ({wanted},), got {np.shape(command)}")
+            columns, wanted = places[key]
+            shape = command.shape if isinstance(command, np.ndarray) else np.shape(command)
+            if shape != wanted:
+                raise CommandError(f"command {key[1]} on {key[0]} must have shape {wanted}, got {shape}")
             row[columns] = command
         return row
 
@@ -95,6 +95,11 @@ class CommandLayout(Layout):
     def _norms(self, row: list[float]) -> list[tuple[Key, float, float]]:
         # Plain numbers are faster than arrays of three numbers.
         return [(key, math.hypot(*row[columns]), limit) for key, columns, limit in self._bounded]
+
+    @cached_property
+    def _places(self) -> dict[Key, tuple[slice, tuple[int]]]:
+        """Maps each pair of (token, basic action) to its slice of the row and to the shape of its command."""
+        return {key: (columns, (columns.stop - columns.start,)) for key, columns in self.slices.items()}
 
     @cached_property
     def _bounded(self) -> tuple[tuple[Key, slice, float], ...]:

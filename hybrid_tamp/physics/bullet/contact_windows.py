@@ -46,23 +46,24 @@ class ContactWindows:
         Args:
             forces: maps each pair of bodies in contact to its normal force [N].
         """
-        windows, largest = self._windows, self._largest
-        for pair, force in forces.items():
-            if (window := windows.get(pair)) is None:
-                window = windows[pair] = deque(maxlen=_WHOLE + 1)
-            window.append(force)
-        if len(windows) > len(forces):
-            for pair in windows.keys() - forces.keys():
-                windows[pair].append(0.0)
-                if not any(windows[pair]):
-                    del windows[pair]
+        windows, largest, over = self._windows, self._largest, []
+        for pair in forces:
+            if pair not in windows:
+                windows[pair] = deque(maxlen=_WHOLE + 1)
         for pair, window in windows.items():
-            left_out = _LEFT_OUT * window[0] if len(window) > _WHOLE else 0.0
-            force = (sum(window) - left_out) * _AVERAGE
-            if force > largest.get(pair, 0.0):
+            window.append(forces.get(pair, 0.0))
+            total = sum(window)
+            if len(window) > _WHOLE:
+                total -= _LEFT_OUT * window[0]
+            force = total * _AVERAGE
+            if pair not in forces and not any(window):
+                over.append(pair)
+            elif pair not in largest:
+                largest[pair] = force if force > 0.0 else 0.0
+            elif force > largest[pair]:
                 largest[pair] = force
-            else:
-                largest.setdefault(pair, 0.0)
+        for pair in over:
+            del windows[pair]
 
     def empty(self, tokens: Collection[str]) -> None:
         """Empty the windows of all pairs with one of these tokens."""
