@@ -22,10 +22,6 @@ _HUGE = 1e300
 """Largest squared norm of a finite command. A command with a larger norm is treated as infinite."""
 
 
-_NEARLY = 1.0 - 1e-12
-"""Share of the squared limit of a command below which rounding errors of the squared norm do not matter."""
-
-
 class ForwardModel:
     """The policy and the continuous system of one instance, for states of batch shape ``(...)``."""
 
@@ -64,9 +60,9 @@ class ForwardModel:
         check_commands(self._names[0], self._binding, commands, self._sizes, seen)
         finite = self._sound
         for key, command in commands.items():
-            limit = self._limits.get(key, np.inf)
-            # The comparison is also false for infinities and NaNs. `_limited` decides on commands close to the limit.
-            if not np.maximum.reduce(np.vecdot(command, command), axis=None) <= min(limit**2 * _NEARLY, _HUGE):
+            square, limit = np.einsum("...i,...i->...", command, command), self._limits.get(key, np.inf)
+            # This comparison is also false for infinities and NaNs.
+            if not np.maximum.reduce(square, axis=None) <= min(limit**2, _HUGE):
                 sound = np.asarray(np.isfinite(command).all(axis=-1))
                 finite = finite & sound
                 commands[key] = _limited(np.where(sound[..., None], command, 0.0), limit)
