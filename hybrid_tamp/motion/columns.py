@@ -86,6 +86,16 @@ def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
     return _join(out)
 
 
+def extended(vectors: FloatArray, last: FloatArray) -> FloatArray:
+    """Return vectors ``(..., d)`` with a further component ``(...)`` at the end."""
+    if not is_large(vectors, vectors):
+        return np.concatenate([vectors, last[..., None]], axis=-1)
+    out = np.empty((vectors.shape[-1] + 1, *vectors.shape[:-1]))
+    out[:-1] = _split(vectors)
+    out[-1] = last
+    return _join(out)
+
+
 def sum_squares(vectors: FloatArray) -> FloatArray:
     """Return the squared norms ``(...)`` of vectors with 3 or 4 components, with the same bits as `numpy.einsum`."""
     x, y, z, *rest = _split(vectors)

@@ -136,7 +136,7 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> FloatArray:
     half = 0.5 * turns
     # For a zero vector, the constant prevents 0 / 0. For other vectors, the constant is lost in rounding.
     half_angle = np.sqrt(_sum_squares(half) + 1e-60)[..., None]
-    return np.concatenate([np.sin(half_angle) / half_angle * half, np.cos(half_angle)], axis=-1)
+    return columns.extended(np.sin(half_angle) / half_angle * half, np.cos(half_angle[..., 0]))
 
 
 def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike, *, unit: bool = False) -> FloatArray:
@@ -159,7 +159,7 @@ def quaternion_from_axis_angle(axis: ArrayLike, angle: ArrayLike, *, unit: bool 
         return singles.turn(unit_axis, angles)
     half_angle = 0.5 * angles[..., None]
     vector = np.sin(half_angle) * unit_axis
-    return np.concatenate([vector, np.cos(half_angle) + np.zeros_like(vector[..., :1])], axis=-1)
+    return columns.extended(vector, np.cos(half_angle[..., 0]))
 
 
 def quaternion_from_rpy(rpy: ArrayLike) -> FloatArray:

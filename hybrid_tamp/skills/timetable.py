@@ -7,6 +7,7 @@ import numpy as np
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.columns import stored_by_column
 
 _ROWS = 64
 """Largest number of control periods that are evaluated at once."""
@@ -42,7 +43,8 @@ class Timetable:
         page, row = divmod(step, self._rows)
         if page != self._page:
             times = np.asarray((page * self._rows + np.arange(self._rows)) * CONTROL_PERIOD, dtype=np.float64)
-            self._table = self._read(times.reshape(-1, *(1,) * self._batch))
+            read = self._read(times.reshape(-1, *(1,) * self._batch))
+            self._table = tuple(stored_by_column(quantity) for quantity in read)
             self._page = page
         return tuple([quantity[row] for quantity in self._table])
 
