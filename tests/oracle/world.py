@@ -9,7 +9,7 @@ import numpy as np
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
-from hybrid_tamp.model.expectation import expect
+from hybrid_tamp.model.expectation import Beginning, Expectations, expect
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.predicate import Literal, Predicate, Value, name_of
 from hybrid_tamp.model.state import State, StateLayout
@@ -81,6 +81,7 @@ class World:
         self._bindings: dict[tuple[object, ...], list[Roles]] = {}
         self._ends: dict[tuple[object, ...], tuple[Ends, ...]] = {}
         self._simulated: dict[tuple[object, ...], tuple[Ends | None, ...]] = {}
+        self._expected = Expectations()
         self._upright: dict[int, int] = {}
         """Maps the number of a tipped box's state to the number of its state before the tip."""
         self._layouts = {token.name: StateLayout.of((token,)) for token in task.tokens}
@@ -196,10 +197,10 @@ class World:
         """Return the possible ends of a movement.
 
         A movement into a region is simulated, because hyperparameters determine its end. Every other movement ends in
-        its declared outcome. Movements that miss their exit conditions have no end.
+        its declared outcome, or as in a rollout. Movements that miss their exit conditions have no end.
         """
         block, roles = started.block, dict(started.roles)
-        if block.outcome is None:
+        if not block.moves:
             return ((),)
         if into_region(block):
             ends = [end for end in self.simulate(started, ids, samples) if end is not None]
@@ -208,7 +209,10 @@ class World:
         key = self._key(started, ids)
         if key not in self._ends:
             tokens = [name for name in roles.values() if self._is_token(name)]
-            after = block.outcome(self.task.bind(roles), self._state(tokens, ids))
+            binding, state = self.task.bind(roles), self._state(tokens, ids)
+            begin = Beginning(block, binding, state, block.initial_values(binding, state))
+            after = block.outcome(binding, state) if block.outcome else self._expected.of([begin])[0].end
+            assert after is not None, "a block that moves tokens has an expected end"
             end = self._keep(started, ids, after)
             good = self.holds(block.measured_exits, roles, {**ids, **dict(end)})
             self._ends[key] = (end,) if good else ()

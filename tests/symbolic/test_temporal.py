@@ -18,7 +18,9 @@ from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.pddl.temporal_text import temporal_domain_text
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
+from hybrid_tamp.symbolic.temporal.grounding import reachable
 from hybrid_tamp.symbolic.temporal.reencoding import reencode_durative
+from hybrid_tamp.taskfile.loader import load_task
 
 TWO_DRUMS = rolling_task(hands=2, drums=[(0, 0), (0, 0.5)], regions=[(0.7, 0), (0.7, 0.5)], goal=[(0, 0), (1, 1)])
 
@@ -53,6 +55,13 @@ def test_the_temporal_domain_does_not_depend_on_the_tokens() -> None:
     one, many = compile_durative(rolling_task()), compile_durative(TWO_DRUMS)
     assert temporal_domain_text(one.problem.domain) == temporal_domain_text(many.problem.domain)
     assert ":requirements :strips :typing :fluents :durative-actions" in temporal_domain_text(one.problem.domain)
+
+
+def test_runs_whose_states_contradict_their_conditions_last_as_long_as_other_runs() -> None:
+    runs = [run for run in reachable(load_task("tumble_two_hands")) if run.block.startswith(("REACHING:b", "TIPPING"))]
+    turns = {run.seconds for run in runs if run.block == "TIPPING:lower"}
+    assert min(run.seconds for run in runs) > 0.7
+    assert 1.7 < min(turns) < max(turns) < 2.3
 
 
 def test_invariants_hold_over_all_of_an_action() -> None:

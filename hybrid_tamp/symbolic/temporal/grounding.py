@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.expectation import Beginning, Expectations
+from hybrid_tamp.model.expectation import Beginning, Expectations, declared_end
 from hybrid_tamp.model.facts import facts, static_facts
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.predicate import Atom, name_of
@@ -142,7 +142,17 @@ class _Reaching:
         if block.duration.expected is not None:
             return self._make(block, roles, self._state(causes))
         known = self.rolled.get((block.name, tuple(roles.items())))
-        return known or Estimate(block.duration.minimum, {}, {})
+        return known or self._estimate_like_others(block, roles, self._state(causes))
+
+    def _estimate_like_others(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
+        """Return the longest duration of the block's other rollouts, with the final poses that the block declares."""
+        durations = (estimate.seconds for (name, _), estimate in self.rolled.items() if name == block.name)
+        end = declared_end(block, self.task.bind(roles), state)
+        poses = {}
+        if end is not None:
+            moved = [self.task.token_by_name[roles[slot.name]] for slot in block.slots]
+            poses = {(token.name, each.name): end[token, each.name].copy() for token in moved for each in token.varying}
+        return Estimate(max(durations, default=block.duration.minimum), {}, poses)
 
     def _make(self, block: Block, roles: Mapping[str, str], state: State) -> Estimate:
         slots = {slot.name: roles[slot.name] for slot in block.slots}
@@ -151,7 +161,8 @@ class _Reaching:
         return estimates.of([OrderedInstance("", block.name, slots, targets, 0)])[0]
 
     def _state(self, causes: Sequence[_Cause]) -> State:
-        poses = {key: value for cause in causes for key, value in cause.poses.items()}
+        in_order = sorted(causes, key=lambda cause: cause.time)
+        poses = {key: value for cause in in_order for key, value in cause.poses.items()}
         return self.task.state.replace(poses) if poses else self.task.state
 
     def _bindings(self, block: Block) -> Iterator[dict[str, str]]:
