@@ -59,6 +59,11 @@ def _curve(binding: Binding, start: State) -> Curve:
     return curve_through(start, lambda state: corners_to_face(state, hand, thing, get_symbol(binding, "face")))
 
 
+def _end(binding: Binding, state: State) -> FloatArray:
+    """Return the position ``(..., 3)`` [m] of the hand at the end of the curve."""
+    return _curve(binding, state).points[..., -1, :]
+
+
 def _place(binding: Binding, state: State) -> FloatArray:
     """Return the goal ``(..., 3)`` [m] at a face, or zero for mode ``away``, whose goal does not depend on the box."""
     if "face" not in binding:
@@ -113,7 +118,7 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
 REACH_BESIDE = make_reaching(
     ReachGoal(
         targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
-        position=_place,
+        position=_end,
         entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH)),
         arrived=conditions((AT_FACE,)),
         lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
@@ -126,7 +131,7 @@ REACH_AWAY = make_reaching(
     ReachGoal(
         # The reach uses only the initial position of the box, so the box may move during the reach.
         targets=(Target("object", Tumblable, reads=()),),
-        position=_place,
+        position=_end,
         entry=(WITHIN_REACH("hand", "object"),),
         arrived=(),
         lasting=(CLEAR_OF_FLOOR("hand"),),

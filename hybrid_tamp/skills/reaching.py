@@ -148,6 +148,6 @@ def make_reaching(
         policy=follow,
         taught=lambda other: make_reaching(goal, mode, other, transit),
         movement=Movement("hand", "position", 3 if transit is None else 1),
-        outcome=outcome if transit is None else None,
+        outcome=outcome,
         description=goal.description,
     )
