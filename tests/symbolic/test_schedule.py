@@ -38,7 +38,8 @@ def test_blocks_abut_and_the_second_roll_starts_where_the_first_ended() -> None:
         spans = [i for i, _ in plan.timeline(token)]
         assert all(at(a.end, b.start) for a, b in pairwise(spans))
     second = [i for i in plan.instances if i.block == "ROLLING"][1]
-    assert second.hyperparameters["distance"] == pytest.approx(0.9)
+    # The rollout of the first roll ends within 2 mm of the middle of its region.
+    assert second.hyperparameters["distance"] == pytest.approx(0.9, abs=2e-3)
 
 
 def test_an_infeasible_order_is_refused_with_its_cycle() -> None:
