@@ -111,7 +111,7 @@ def run(block: Block, task: Task, state: State, roles: dict[str, str]) -> State:
     initial = block.initial_values(binding, state)
     policy = block.policy(binding, state, Parameters(initial)) if block.policy else None
     longest = round(expect(block, binding, state, initial).seconds / DT) + 240
-    system = block.system(binding, state)
+    system = block.system_maker(binding, state)
     for step in range(longest):
         commands = policy(np.asarray(step * DT), state) if policy else {}
         state = system(state, commands, DT)

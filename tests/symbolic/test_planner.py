@@ -206,11 +206,19 @@ def interrupted(when: Callable[[], bool]) -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
+# The interrupt may come while psutil has a file open, which psutil then leaves to the garbage collector.
+may_interrupt_psutil = pytest.mark.filterwarnings(
+    "ignore:unclosed file <_io.BufferedReader name='/proc/:ResourceWarning"
+)
+
+
+@may_interrupt_psutil
 def test_an_interrupt_leaves_nothing(left: Path) -> None:
     with interrupted(left.exists):
         solve("fake_engines:Slow")
 
 
+@may_interrupt_psutil
 def test_an_interrupt_leaves_nothing_of_java_and_aries(left: Path) -> None:
     for engine, program in (("enhsp", "java"), ("aries", "aries")):
         seen: list[psutil.Process] = []

@@ -136,7 +136,7 @@ def test_a_bound_that_a_new_state_exceeds() -> None:
 def test_a_fact_of_the_initial_state_is_evaluated_there() -> None:
     """The block leaves the region in which its entry condition holds, but can be entered again."""
     home = replace(WEST, kind=Kind.STATIC, at_start=True)
-    assert check(replace(CLEARED, entry=(home("pusher"),), keeps=(home,)), spots=(0.4, 0.8)) == []
+    assert check(replace(CLEARED, entry=(home("pusher"),)), spots=(0.4, 0.8)) == []
     once = replace(WEST, kind=Kind.STATIC)
     assert kinds(check(replace(CLEARED, entry=(once("pusher"),), keeps=(once,)))) == {("keeps", "MOVING")}
 

@@ -67,7 +67,7 @@ def distances(task: hybrid_tamp.Task, primitive: DMP) -> np.ndarray:
     place = block.outcome(binding, state)["hand", "position"]
     initial = block.initial_values(binding, state)
     policy = block.policy(binding, state, Parameters(initial))
-    system = block.system(binding, state)
+    system = block.system_maker(binding, state)
     for step in range(int(240 * 1.2 * np.max(initial["duration"]))):
         state = system(state, policy(np.array(step / 240), state), 1 / 240)
     return np.asarray(np.linalg.norm(state["hand", "position"] - place, axis=-1))
