@@ -94,6 +94,17 @@ class Conditions:
         written = set(block.writes.get(slot, ()))
         return any(written & read for read in self._reads(block, slot))
 
+    def reading_anchors(self, block: Block, slot: str) -> Iterator[tuple[Block, str]]:
+        """Yield pairs of (block, target): blocks in which the anchor may read the token of a slot, which changes."""
+        if not self.changes(block, slot):
+            return
+        domain, mine, here = self.vocabulary.domain, block.slot(slot).object_class, (block.name, block.anchor)
+        for other in domain.blocks:
+            for target in self.locked(other) if domain.network.allows((other.name, other.anchor), here) else ():
+                sort = target.sort
+                if not isinstance(sort, SymbolSort) and domain.relations.can_share_token(mine, sort):
+                    yield other, target.name
+
     def disturbs(self, block: Block, slot: str) -> bool:
         """Return whether `changes` is true and the block continues to change the token until the block ends."""
         # A block with a hold stops changing the property at its exit.

@@ -18,13 +18,24 @@ class EdgeOperators(OperatorMaker):
     # -- fill ---------------------------------------------------------------------------------------------------
 
     def fill(self, old: Block, slot_before: str, new: Block, slot: str) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operator that reserves a token for a slot. Some edges have no such operator."""
+        """Yield the operators that reserve a token for a slot. Some edges have no such operator.
+
+        If the anchor may read the token in its current block, a second operator reserves the token for this anchor. The
+        block of the anchor ends when the new block begins, so the anchor does not read a token that changes.
+        """
         # The token comes from a block with one slot, or from the current block of the anchor.
+        if len(old.slots) == 1 or not (old is new or slot_before == old.anchor):
+            for reader in (None, *self.conditions.reading_anchors(new, slot)):
+                yield self._fill(old, slot_before, new, slot, reader)
+
+    def _fill(
+        self, old: Block, slot_before: str, new: Block, slot: str, reader: tuple[Block, str] | None
+    ) -> tuple[Operator, Meaning]:
         name = f"fill-{legal(new.name)}-{legal(slot)}-from-{legal(old.name)}"
         if len(old.slots) > 1:
-            if old is new or slot_before == old.anchor:
-                return
             name += f"-{legal(slot_before)}"
+        if reader is not None:
+            name += f"-read-in-{legal(reader[0].name)}"
         unified = self.conditions.unified(old, slot_before, new, slot)
         action = ActionBuilder(self.vocabulary, new, self._same(old, slot_before, slot, unified))
         action.require(("idle",))
@@ -40,10 +51,10 @@ class EdgeOperators(OperatorMaker):
         kept = [action.role(target) for target in remembered(self.domain, new, slot)]
         action.add((self.vocabulary.state("in", new, slot), token, anchor, *kept))
         self._bind_targets(action, new, slot)
-        self._start_writing(action, old, slot_before, new, slot)
+        self._start_writing(action, old, slot_before, new, slot, reader)
         if len(old.slots) == 1 and not old.hold:
             action.add(("completed", token))
-        yield action.build(name), Meaning("fill", new.name, slot, (old.name, slot_before), action.roles)
+        return action.build(name), Meaning("fill", new.name, slot, (old.name, slot_before), action.roles)
 
     def _know_earlier(self, action: ActionBuilder, new: Block, slot: str, literal: Literal) -> None:
         """Require that the other tokens in a condition already fill their slots."""

@@ -12,8 +12,9 @@ Three predicates enforce the law of assignment. `readers` counts the running ins
 change the token only if this count is zero. `settled` says that the current block of a token does not change the token.
 `idle` keeps the reassignments of one instant together. An instance is identified by its block and its anchor.
 
-The encoding has two limits. Two blocks with several slots cannot begin at the same instant. An anchor cannot pass from
-a block with several slots to the same block.
+The encoding has three limits. Two blocks with several slots cannot begin at the same instant. An anchor cannot pass
+from a block with several slots to the same block. A token that a block changes cannot fill a slot while a token
+other than the anchor still reads it, even if this token enters the same block.
 """
 
 from collections.abc import Iterator

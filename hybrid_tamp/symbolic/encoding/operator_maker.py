@@ -69,12 +69,25 @@ class OperatorMaker:
         elif new.hold and not old.hold and slot_before == old.anchor:
             action.add(("completed", anchor))
 
-    def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
-        """If the block changes the token of the slot, require that no instance reads the token. Update `settled`."""
+    def _start_writing(
+        self,
+        action: ActionBuilder,
+        old: Block,
+        slot_before: str,
+        new: Block,
+        slot: str,
+        reader: tuple[Block, str] | None = None,
+    ) -> None:
+        """If the block changes the token of the slot, require that no instance reads the token. Update `settled`.
+
+        With `reader`, a pair of (block, target), require instead that only this block of the anchor reads the token.
+        """
         if not self.conditions.readable(new, slot):
             return
         token = action.variable(slot)
-        if self.conditions.changes(new, slot):
+        if reader is not None:
+            action.require_only_reader(*reader, token, remembered(self.domain, reader[0], reader[0].anchor))
+        elif self.conditions.changes(new, slot):
             action.require(("readers", token, self.vocabulary.none_reading))
         if self.conditions.disturbs(new, slot):
             action.delete(("settled", token))
