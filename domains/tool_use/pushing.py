@@ -37,6 +37,7 @@ from hybrid_tamp.skills import (
     Load,
     Region,
     Timetable,
+    advance,
     attitude,
     dot,
     effective_mass,
@@ -101,10 +102,10 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     profile, still = straight_profile(), np.zeros(3)
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        near, far = elapsed / _APPROACH, (elapsed - _APPROACH) / duration
-        come, speed = profile.share(near)[..., None], distance * profile.rate(far) / duration
-        going = gap * profile.rate(near) / _APPROACH + speed
-        position = origin + (gap * profile.share(near) + distance * profile.share(far))[..., None] * ahead
+        nearer, approaching = advance(profile, elapsed, _APPROACH, gap)
+        farther, speed = advance(profile, elapsed - _APPROACH, duration, distance)
+        come, going = advance(profile, elapsed, _APPROACH)[0][..., None], approaching + speed
+        position = origin + (nearer + farther)[..., None] * ahead
         resisting = friction * np.clip(speed / _CREEP, 0.0, 1.0)
         return come, position, going[..., None] * ahead, -resisting[..., None] * ahead
 

@@ -36,6 +36,7 @@ from hybrid_tamp.skills import (
     UP,
     HeldBody,
     Timetable,
+    advance,
     attitude,
     dot,
     effective_mass,
@@ -84,8 +85,7 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
     above = arc.hand_at(np.full_like(turn, LEVEL - _ABOVE))
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-        phase = elapsed / arc.winding
-        done, speed = profile.share(phase), profile.rate(phase) / arc.winding
+        done, speed = advance(profile, elapsed, arc.winding)
         wound = attitude(direction, from_angle + done * turn)
         rate = (speed * turn)[..., None] * arc.axis
         return origin + done[..., None] * arc.way, speed[..., None] * arc.way, wound, rate

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Hyperparameters, Parameters
-from hybrid_tamp.model.forward_model import STILL, STILL_STEPS, BoolArray, ForwardModel
+from hybrid_tamp.model.forward_model import STILL, STILL_STEPS, ForwardModel, exits_hold
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
@@ -59,7 +59,7 @@ def roll_out_to_exit(block: Block, binding: Binding, starts: State, hyperparamet
             state = model.step(np.float64(step * CONTROL_PERIOD), state)[0]
             values.append(state.values)
         chunk, taken = np.array(values), len(values) - 1
-        holds = _exits_hold(block, binding, State(starts.layout, chunk[1:]))
+        holds = exits_hold(block, binding, State(starts.layout, chunk[1:]))
         holds &= (np.arange(done + 1, done + taken + 1) >= least)[:, None]
         moves = np.abs(np.diff(chunk, axis=0)).max(axis=(0, 2), initial=0.0) >= STILL
         quiet, done = np.where(moves, 0, quiet + taken), done + taken
@@ -75,13 +75,6 @@ def roll_out_to_exit(block: Block, binding: Binding, starts: State, hyperparamet
 def stack_values(values: Sequence[Hyperparameters]) -> dict[str, FloatArray]:
     """Return the values of several instances of a block as one array ``(k,)`` for each hyperparameter."""
     return {name: np.array([float(each[name]) for each in values]) for name in values[0]}
-
-
-def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:
-    holds = np.ones(states.values.shape[:-1], dtype=bool)
-    for literal in block.measured_exits:
-        holds &= literal.margin(states, binding) >= 0
-    return holds
 
 
 def _whole(seconds: float) -> int:

@@ -107,7 +107,7 @@ def roll_out(
     model = ForwardModel(block, binding, start, Parameters(block.initial_values(binding, start)))
     states, still = [start], 0
     while (elapsed := (len(states) - 1) * dt) < longest:
-        if len(states) % every == 0 and elapsed >= block.duration.minimum and _done(block, binding, states[-1]):
+        if len(states) % every == 0 and elapsed >= block.duration.minimum and exits_hold(block, binding, states[-1]):
             break
         states.append(model.step(np.float64(elapsed), states[-1], dt)[0])
         still = still + 1 if np.abs(states[-1].values - states[-2].values).max() < STILL else 0
@@ -116,8 +116,12 @@ def roll_out(
     return states
 
 
-def _done(block: Block, binding: Binding, state: State) -> bool:
-    return all(float(literal.margin(state, binding)) >= 0 for literal in block.measured_exits)
+def exits_hold(block: Block, binding: Binding, state: State) -> BoolArray:
+    """Return whether all measured exit conditions hold in states with any batch shape ``(...)``."""
+    holds = np.ones(state.values.shape[:-1], dtype=bool)
+    for literal in block.measured_exits:
+        holds &= literal.margin(state, binding) >= 0
+    return holds
 
 
 def _limited(command: FloatArray, limit: float) -> FloatArray:

@@ -20,7 +20,7 @@ from hybrid_tamp.skills.gripping import HANDLE_ENDS, Grip
 from hybrid_tamp.skills.handles import attitude, hand_in, lean, side, standing_height, yaw
 from hybrid_tamp.skills.holding import HeldBody, held_system, pose_held
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence
-from hybrid_tamp.skills.primitives import reach_over, straight_profile
+from hybrid_tamp.skills.primitives import advance, reach_over, straight_profile
 from hybrid_tamp.skills.reaching import time_of_reach
 from hybrid_tamp.skills.roles import BODY, POSE, get_token, get_tokens
 from hybrid_tamp.skills.timetable import Timetable
@@ -176,8 +176,7 @@ def _follow(goal: Goal, role: str) -> PolicyMaker:
         leaning = angle - from_lean
 
         def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-            phase = (elapsed - _TURN[0] * duration) / turning
-            done, speed = profile.share(phase), profile.rate(phase) / turning
+            done, speed = advance(profile, elapsed - _TURN[0] * duration, turning)
             wanted = attitude(from_yaw + done * yawing, from_lean + done * leaning)
             return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * leaning)[..., None])
 

@@ -13,7 +13,14 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.gripping import Grip, gripping_system
-from hybrid_tamp.skills.handles import beside_handle, handle_length, location_on_handle, lowest_grasp, on_handle
+from hybrid_tamp.skills.handles import (
+    beside_handle,
+    handle_length,
+    least_extent,
+    location_on_handle,
+    lowest_grasp,
+    on_handle,
+)
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
 from hybrid_tamp.skills.primitives import move_straight
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
@@ -96,7 +103,7 @@ def _grasp_location(role: str) -> Hyperparameter:
 
     def bounds(binding: Binding) -> tuple[float, float]:
         hand, thing = get_tokens(binding, "hand", role)
-        lowest = float(lowest_grasp(thing, min(hand["radius"], hand["length"] / 2)))
+        lowest = float(lowest_grasp(thing, least_extent(hand)))
         return min(max(0.0, lowest), handle_length(thing)), handle_length(thing)
 
     description = "distance of the grasp from handle_to, along the handle"

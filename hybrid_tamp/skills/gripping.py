@@ -19,6 +19,7 @@ from hybrid_tamp.skills.grippers import Graspable, Gripper
 from hybrid_tamp.skills.handles import (
     beside_handle,
     handle_length,
+    least_extent,
     lowest_grasp,
     off_handle,
 )
@@ -128,9 +129,7 @@ class Grip:
         return competence(
             "high_enough",
             self._both,
-            lambda hand, thing: float(
-                handle_length(thing) - lowest_grasp(thing, min(hand["radius"], hand["length"] / 2))
-            ),
+            _room,
             description=self._say("the handle of {object} is high enough for {hand}"),
             denial=self._say("the handle of {object} is too low for {hand}, which would touch what {object} stands on"),
         )
@@ -191,5 +190,4 @@ def _lift(hand: Token, thing: Token, factor: float) -> float:
 
 
 def _room(hand: Token, thing: Token) -> float:
-    least = min(hand["radius"], hand["length"] / 2)
-    return float(handle_length(thing) - lowest_grasp(thing, least))
+    return float(handle_length(thing) - lowest_grasp(thing, least_extent(hand)))

@@ -96,6 +96,11 @@ def standing_height(thing: Token) -> float:
     return reach_along(thing, _X)
 
 
+def least_extent(hand: Token) -> float:
+    """Return the smallest extent [m] of a cylindrical hand below its centre, over all its orientations."""
+    return float(min(hand["radius"], hand["length"] / 2))
+
+
 def lowest_grasp(thing: Token, below: FloatArray | float) -> FloatArray:
     """Return the distance ``(...)`` [m] from ``handle_to`` beyond which a hand is clear of what the object stands on.
 

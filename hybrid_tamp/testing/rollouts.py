@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import Parameters
 from hybrid_tamp.model.expectation import declared_duration
-from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
+from hybrid_tamp.model.forward_model import BoolArray, ForwardModel, exits_hold
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.view import View
@@ -126,7 +126,7 @@ def roll_out_rows(
             running &= finite
         passed = len(history) - 1
         chunk = State(start.layout, np.array(history[begun:]))
-        done = _exits_hold(block, binding, chunk) & (np.arange(begun, passed + 1) >= least)[:, None] & running
+        done = exits_hold(block, binding, chunk) & (np.arange(begun, passed + 1) >= least)[:, None] & running
         found = done.any(axis=0)
         lengths[found], reached[found] = begun + done.argmax(axis=0)[found], True
         still = np.abs(np.diff(chunk.values, axis=0)).max(axis=(0, 2), initial=0.0) < _STILL
@@ -139,13 +139,6 @@ def roll_out_rows(
             break
     lengths = np.minimum(lengths, len(history) - 1)
     return Rollouts(block, binding, start, State(start.layout, np.array(history)), lengths, reached, dt)
-
-
-def _exits_hold(block: Block, binding: Binding, states: State) -> BoolArray:
-    holds = np.ones(states.values.shape[:-1], dtype=bool)
-    for literal in block.measured_exits:
-        holds &= literal.margin(states, binding) >= 0
-    return holds
 
 
 def _declared(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:
