@@ -8,8 +8,7 @@ safety factor k is RESERVE by default. The physical bound has k = 1.
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, Token
-from hybrid_tamp.skills import HAND_FRICTION
+from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, Token
 
 from .places import CREWS
 
@@ -21,7 +20,7 @@ SMALLEST_SQUEEZE = 1.0
 
 def friction(thing: Token) -> float:
     """Return the friction coefficient between a hand and an object: the product of their coefficients, as in Bullet."""
-    return float(HAND_FRICTION * thing["friction"])
+    return float(DEFAULT_FRICTION * thing["friction"])
 
 
 def load(thing: Token, crew: str) -> float:

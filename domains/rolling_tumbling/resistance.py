@@ -12,9 +12,8 @@ rho g/(R + I/(m R)), where I is its moment of inertia.
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, Cylinder, FloatArray, MeshShape, Parameter, State, Token
+from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, Cylinder, FloatArray, MeshShape, Parameter, State, Token
 from hybrid_tamp.skills import (
-    HAND_FRICTION,
     Resistance,
     StaticEndEffector,
     competence,
@@ -48,7 +47,7 @@ _LEAST_TURNING = 0.05
 def _grip(hand: Token, thing: Token) -> tuple[float, float, float]:
     """Return the ratio rho/R, the friction mu and the friction nu of the hand."""
     ratio = thing["rolling_friction"] / thing["radius_of_rotation"]
-    return float(ratio), float(thing["friction"]), HAND_FRICTION * float(thing["friction"])
+    return float(ratio), float(thing["friction"]), DEFAULT_FRICTION * float(thing["friction"])
 
 
 def _least_friction(thing: Token) -> float:
@@ -60,7 +59,7 @@ def _least_friction(thing: Token) -> float:
 def _turning(hand: Token, thing: Token) -> float:
     """Return the part of a push at the height of the axis that turns the object, negative if the hand stops it."""
     ratio, _, at_hand = _grip(hand, thing)
-    return 1.0 - at_hand * (1.0 + ratio) - HAND_FRICTION * ratio
+    return 1.0 - at_hand * (1.0 + ratio) - DEFAULT_FRICTION * ratio
 
 
 def _steadiness(hand: Token, thing: Token) -> float:

@@ -10,8 +10,8 @@ equations hold while hands tip the box, and while hands lower the box onto the s
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, Token
-from hybrid_tamp.skills import HAND_FRICTION, half_extent
+from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, Token
+from hybrid_tamp.skills import half_extent
 
 from .tumbling_geometry import GRIP, PAST_BALANCE, SAG
 
@@ -37,7 +37,7 @@ def squeeze_needed(weight: float, width: float, height: float, friction: float) 
 
 
 def _squeeze_of_edge(weight: float, width: float, height: float, friction: float) -> float:
-    floor, hand = FLOOR_FRICTION * friction, HAND_FRICTION * friction
+    floor, hand = FLOOR_FRICTION * friction, DEFAULT_FRICTION * friction
     if hand == 0.0:
         return float("inf")
     most = floor * weight / (1.0 + floor * hand)
@@ -46,12 +46,12 @@ def _squeeze_of_edge(weight: float, width: float, height: float, friction: float
 
 def _squeeze_of_contact(weight: float, width: float, height: float, friction: float) -> float:
     """Return the squeeze [N] S = D/2 with which the hand that presses less just touches the box."""
-    return weight * width / (4.0 * (height + HAND_FRICTION * friction * width))
+    return weight * width / (4.0 * (height + DEFAULT_FRICTION * friction * width))
 
 
 def press(weight: float, width: float, height: float, friction: float, squeeze: float) -> float:
     """Return the force [N] of the hand that presses harder. See `squeeze_needed` for the arguments."""
-    hand = HAND_FRICTION * friction
+    hand = DEFAULT_FRICTION * friction
     if not np.isfinite(squeeze):
         return float("inf")
     difference = width * (weight / 2.0 - hand * squeeze) / (height + hand * width / 2.0)
@@ -87,7 +87,7 @@ def squeeze_range(thing: Token, near: str, down: str, force: float) -> tuple[flo
     """
     weight, friction = GRAVITY * thing["mass"], thing["friction"]
     width, height = 2.0 * half_extent(thing, near), 2.0 * GRIP * half_extent(thing, down)
-    hand = HAND_FRICTION * friction
+    hand = DEFAULT_FRICTION * friction
     arm = height + hand * width / 2.0
     touching = _squeeze_of_contact(weight, width, height, friction)
     # With a large squeeze, friction alone lifts the box, and no hand presses harder than the other.

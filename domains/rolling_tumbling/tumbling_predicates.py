@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
 from hybrid_tamp.skills import (
-    HAND_FRICTION,
     POSE,
     StaticEndEffector,
     at_place,
@@ -53,7 +52,7 @@ def strength_needed(state: State, hand: Token, thing: Token) -> float:
     """
     short, long = sorted(sections(state, hand, thing))
     height = GRIP * short
-    lift = min(HAND_FRICTION * thing["friction"], long / height)
+    lift = min(DEFAULT_FRICTION * thing["friction"], long / height)
     arm = (height + lift * long) / np.hypot(1.0, lift)
     return float(thing["mass"] * GRAVITY * long / 2.0 / arm)
 

@@ -26,14 +26,12 @@ from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.motion.constants import DEFAULT_FRICTION, DEFAULT_MASS, GRAVITY
 from hybrid_tamp.motion.poses import cross, integrate, quaternion_conjugate, quaternion_multiply, rotate
 
 BoolArray = NDArray[np.bool_]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_MASS, _FRICTION = 1.0, 0.5
-"""Mass [kg] and friction coefficient of a body that does not have these properties, as in physics."""
 _TOUCH = 1e-6
 """Largest gap at which bodies touch [m]."""
 _FORCE, _TORQUE = "force", "torque"
@@ -58,6 +56,7 @@ def make_default_system(block: Described, binding: Binding, start: State) -> Con
     written = {slot: token for slot in block.writes if isinstance(token := binding[slot], Token)}
     hands = {slot: token for slot, token in written.items() if any(a.name == _FORCE for a in token.basic_actions)}
     things = {slot: token for slot, token in written.items() if slot not in hands}
+    handles = [token for token in binding.values() if isinstance(token, Token) and can_be_gripped(token)]
     changing = {(token.name, name) for slot, token in written.items() for name in block.writes[slot]}
     if changing == {(hand.name, name) for hand in hands.values() for name in ("position", "velocity")}:
         return _drive_alone(list(hands.values()))
@@ -65,7 +64,7 @@ def make_default_system(block: Described, binding: Binding, start: State) -> Con
     def system(state: State, commands: Commands, dt: float) -> State:
         step = _Step(state, commands, dt, changing)
         for slot, hand in hands.items():
-            step.close_fingers(hand, list(things.values()))
+            step.close_fingers(hand, handles)
             tools = [(thing, block.attached.get(name) == slot) for name, thing in things.items()]
             step.drive(hand, [(thing, declared) for thing, declared in tools if declared or pass_through(hand, thing)])
         for slot, thing in things.items():
@@ -103,12 +102,12 @@ class _Step:
         self.held: dict[str, list[tuple[Token, BoolArray]]] = {}
 
     def close_fingers(self, hand: Token, things: list[Token]) -> None:
-        """Move the fingers of a hand, if it has fingers."""
+        """Move the fingers of a hand, if it has fingers. The fingers stop at the handles of `things`."""
         if (hand.name, APERTURE) not in self.changing:
             return
         closing, aperture = self._gripping(hand), self.state[hand, APERTURE][..., 0]
         narrower = np.where(closing, np.maximum(aperture - FINGER_SPEED * self.dt, 0.0), aperture)
-        for thing in filter(can_be_gripped, things):
+        for thing in things:
             width = thing["handle_width"]
             stops = closing & self._within_grasp(hand, thing) & (narrower <= width) & (width <= aperture + _TOUCH)
             narrower = np.where(stops, width, narrower)
@@ -138,7 +137,7 @@ class _Step:
         """Let a token slow down by friction, and let hands push it. Changes the velocities of these hands."""
         velocity = self.state[thing, "velocity"] * np.array([1.0, 1.0, 0.0])
         speed = np.sqrt(np.vecdot(velocity, velocity))
-        slower = np.maximum(speed - thing.properties.get("friction", _FRICTION) * GRAVITY * self.dt, 0.0)
+        slower = np.maximum(speed - thing.properties.get("friction", DEFAULT_FRICTION) * GRAVITY * self.dt, 0.0)
         velocity = velocity * (slower / np.maximum(speed, 1e-12))[..., None]
         for hand in hands:
             velocity = self._meet(hand, thing, velocity)
@@ -219,4 +218,4 @@ class _Step:
 
 
 def _mass(token: Token) -> float:
-    return float(token.properties.get("mass", _MASS))
+    return float(token.properties.get("mass", DEFAULT_MASS))

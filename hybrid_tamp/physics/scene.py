@@ -12,6 +12,7 @@ from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.grasp import APERTURE, GRIP
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.constants import DEFAULT_FRICTION, DEFAULT_MASS
 from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 FORCE = "force"
@@ -19,10 +20,6 @@ FORCE = "force"
 TORQUE = "torque"
 """Name of the basic action that applies a torque to a body, in the world frame [N m]."""
 
-MASS = 1.0
-"""Default mass of a token [kg]."""
-FRICTION = 0.5
-"""Default friction coefficient of a token. Bullet multiplies the coefficients of two bodies in contact."""
 ROLLING_FRICTION = 0.005
 """Default rolling friction of a round body [m]. With zero rolling friction, the body would never stop."""
 FLOOR_FRICTION = 1.0
@@ -111,14 +108,14 @@ def _find_action_faults(token: Token, where: str) -> list[Issue]:
 
 def _make_body(token: Token) -> Body:
     driven = bool(token.basic_actions)
-    mass = 0.0 if token.place else _number(token, "mass", MASS)
+    mass = 0.0 if token.place else _number(token, "mass", DEFAULT_MASS)
     round_thing = not driven and isinstance(token.solid, Cylinder | Sphere)
     return Body(
         token=token.name,
         shape=token.solid,
         mass=mass,
         inertia=_find_inertia(token, mass),
-        friction=_number(token, "friction", FRICTION),
+        friction=_number(token, "friction", DEFAULT_FRICTION),
         rolling_friction=_number(token, "rolling_friction", ROLLING_FRICTION if round_thing else 0.0),
         driven=driven,
     )

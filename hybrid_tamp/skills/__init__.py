@@ -52,7 +52,6 @@ from hybrid_tamp.skills.grippers import Graspable as Graspable
 from hybrid_tamp.skills.grippers import Gripper as Gripper
 from hybrid_tamp.skills.gripping import HANDLE_ENDS as HANDLE_ENDS
 from hybrid_tamp.skills.gripping import Grip as Grip
-from hybrid_tamp.skills.gripping import gripping_system as gripping_system
 from hybrid_tamp.skills.handles import attitude as attitude
 from hybrid_tamp.skills.handles import beside_handle as beside_handle
 from hybrid_tamp.skills.handles import hand_in as hand_in
@@ -93,7 +92,6 @@ from hybrid_tamp.skills.predicates import near as near
 from hybrid_tamp.skills.predicates import one_by_one as one_by_one
 from hybrid_tamp.skills.predicates import outside as outside
 from hybrid_tamp.skills.predicates import physical_bound as physical_bound
-from hybrid_tamp.skills.pressing import HAND_FRICTION as HAND_FRICTION
 from hybrid_tamp.skills.pressing import TOUCHING_FORCE as TOUCHING_FORCE
 from hybrid_tamp.skills.pressing import Pressure as Pressure
 from hybrid_tamp.skills.pressing import gaps_to_faces as gaps_to_faces

@@ -3,6 +3,8 @@
 The hand waits beside the handle, moves to a place on the handle and closes its fingers. The object stands meanwhile.
 """
 
+from typing import Any
+
 import numpy as np
 
 from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
@@ -12,7 +14,7 @@ from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.skills.extents import height_below
-from hybrid_tamp.skills.gripping import Grip, gripping_system
+from hybrid_tamp.skills.gripping import Grip
 from hybrid_tamp.skills.handles import (
     beside_handle,
     handle_length,
@@ -71,25 +73,34 @@ def _reach(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> ReachGoa
     )
 
 
-def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
-    role = grip.role
-
+def _at_the_handle(name: str, grip: Grip, stands: Literal, targets: tuple[Target, ...], **told: Any) -> Block:
+    """Return a block in which a hand moves near the handle of an object that stands."""
     return Block(
-        name="GRASPING",
-        slots=(Slot("hand", grip.hand), Slot(role, grip.thing)),
+        name=name,
+        slots=(Slot("hand", grip.hand), Slot(grip.role, grip.thing)),
         anchor="hand",
         targets=targets,
+        invariants=(IN_WORKSPACE("hand"), stands),
+        writes={"hand": (*MOTION, "aperture")},
+        allowed_contacts=(("hand", grip.role), (grip.role, FLOOR)),
+        **told,
+    )
+
+
+def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
+    role = grip.role
+    return _at_the_handle(
+        "GRASPING",
+        grip,
+        stands,
+        targets,
         entry=(*grip.facts, grip.at_handle("hand", role), grip.empty("hand"), stands, AT_REST(role)),
         exit=(grip.held(role, "hand"), ~grip.empty("hand"), AT_REST("hand")),
-        invariants=(IN_WORKSPACE("hand"), stands),
         waived={AT_REST(role): f"the fingers may shake the {role} when they close"},
-        writes={"hand": (*MOTION, "aperture")},
-        allowed_contacts=(("hand", role), (role, FLOOR)),
         hyperparameters=(_grasp_location(role),),
         duration=Duration(_APPROACH, 5.0),
         hold=True,
         policy=_closing(role),
-        system=gripping_system(role),
         performance=(_contact(role),),
         description="the hand moves to the grasp location and closes on the handle",
     )
@@ -140,21 +151,16 @@ def _closing(role: str) -> PolicyMaker:
 
 def _release(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
     role = grip.role
-
-    return Block(
-        name="RELEASING",
-        slots=(Slot("hand", grip.hand), Slot(role, grip.thing)),
-        anchor="hand",
-        targets=targets,
+    return _at_the_handle(
+        "RELEASING",
+        grip,
+        stands,
+        targets,
         entry=(grip.held(role, "hand"), stands),
         # The object must not fall over when the hand opens.
         exit=(~grip.held(role, "hand"), grip.empty("hand"), stands, AT_REST("hand"), AT_REST(role)),
-        invariants=(IN_WORKSPACE("hand"), stands),
-        writes={"hand": (*MOTION, "aperture")},
-        allowed_contacts=(("hand", role), (role, FLOOR)),
         duration=Duration(_OPENING + _LEAVING, 5.0),
         policy=_opening(role),
-        system=gripping_system(role),
         description=f"the hand opens and moves away, and the {role} remains standing",
     )
 

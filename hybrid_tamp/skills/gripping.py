@@ -5,11 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
-from hybrid_tamp.model.control import Commands, ContinuousSystem, SystemMaker
-from hybrid_tamp.model.grasp import CAPTURE, FINGER_SPEED, grip_limits
+from hybrid_tamp.model.grasp import CAPTURE, grip_limits
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.margins import SafetyFactor
-from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate
+from hybrid_tamp.model.predicate import Literal, Parameter, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -24,8 +23,7 @@ from hybrid_tamp.skills.handles import (
     off_handle,
 )
 from hybrid_tamp.skills.predicates import at_place, competence, length_predicate, physical_bound
-from hybrid_tamp.skills.roles import POSE, get_tokens
-from hybrid_tamp.skills.servos import hand_system
+from hybrid_tamp.skills.roles import POSE
 from hybrid_tamp.skills.vectors import point
 
 _OPEN = 0.7
@@ -152,30 +150,6 @@ class Grip:
 
     def _say(self, sentence: str) -> str:
         return sentence.replace("{object}", "{" + self.role + "}")
-
-
-def gripping_system(role: str) -> SystemMaker:
-    """Return the maker of the system of a hand that opens or closes its fingers.
-
-    The fingers stop at the handle of the object of a role, if the handle is between the fingers.
-    """
-
-    def make(binding: Binding, start: State) -> ContinuousSystem:
-        hand, thing = get_tokens(binding, "hand", role)
-        arm, width, widest = hand_system(binding, start), thing["handle_width"], hand["maximal_aperture"]
-
-        def system(state: State, commands: Commands, dt: float) -> State:
-            gap = state[hand, "aperture"]
-            closing = commands.get((hand.name, "grip"), np.zeros_like(gap)) > 0
-            between = (off_handle(state, hand, thing) <= CAPTURE)[..., None]
-            narrowest = np.where(between & (gap >= width), width, 0.0)
-            closed = np.maximum(gap - FINGER_SPEED * dt, narrowest)
-            opened = np.minimum(gap + FINGER_SPEED * dt, widest)
-            return arm(state, commands, dt).replace({(hand.name, "aperture"): np.where(closing, closed, opened)})
-
-        return system
-
-    return make
 
 
 def _grip(state: State, thing: Token, hand: Token) -> FloatArray:

@@ -26,8 +26,6 @@ from hybrid_tamp.skills.roles import BODY, MOTION
 from hybrid_tamp.skills.servos import STIFFNESS, damping, driven_velocity
 from hybrid_tamp.skills.vectors import dot, stop_at_face
 
-HAND_FRICTION = 0.5
-"""Friction coefficient of a hand. Physics backends assume this value for tokens without the property `friction`."""
 TOUCHING_FORCE = 1.0
 """Largest force [N] that a hand with a fully loosened grip exerts on its face."""
 _TOUCH = 1e-4

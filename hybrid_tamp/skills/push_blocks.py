@@ -12,11 +12,11 @@ from hybrid_tamp.model.predicate import ANY, Binding, Literal, Parameter, Predic
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.skills.classes import Container, StaticEndEffector
-from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, at_place, competence, physical_bound
+from hybrid_tamp.skills.facts import within_reach
+from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, at_place, physical_bound
 from hybrid_tamp.skills.pushing import Push
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
 from hybrid_tamp.skills.roles import BODY, MOTION, POSE, get_token
-from hybrid_tamp.skills.vectors import depth_in_workspace
 
 _TOLERANCE = 0.025
 """Largest distance of a hand from its standby position [m]."""
@@ -180,18 +180,16 @@ def _able(push: Push, roles: _Roles) -> Predicate:
 
 
 def _room(push: Push, roles: _Roles) -> Predicate:
-    def margin(state: State, *values: Value) -> FloatArray:
+    def ends(state: State, *values: Value) -> tuple[FloatArray, FloatArray]:
         binding = roles.bind(*values)
-        hand = get_token(binding, "hand")
         direction, distance = push.line(binding, state)
         begin = push.standby(binding, state)
-        ends = begin, begin + direction * distance[..., None]
-        return np.asarray(np.min([depth_in_workspace(hand, end) for end in ends], axis=0))
+        return begin, begin + direction * distance[..., None]
 
-    return competence(
+    return within_reach(
         "push_within_reach",
         roles.parameters,
-        margin,
+        ends,
         reads=roles.reads(("orientation",)),
         description="{hand} stays in its workspace when it pushes {object}",
         denial="{hand} would leave its workspace when it pushes {object}",

@@ -25,6 +25,7 @@ from texts import load_task_text
 from validation import val_accepts
 
 import hybrid_tamp
+from hybrid_tamp.authoring import DEFAULT_FRICTION
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import Cylinder
 from hybrid_tamp.model.control import CONTROL_PERIOD, Parameters
@@ -37,7 +38,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_rpy
 from hybrid_tamp.physics import scene
 from hybrid_tamp.physics.protocol import Backend, open_backend
-from hybrid_tamp.skills import HAND_FRICTION, gaps_to_faces
+from hybrid_tamp.skills import gaps_to_faces
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.testing import check_domain
@@ -118,8 +119,7 @@ def test_without_friction_nothing_is_borne() -> None:
 
 
 def test_hands_have_the_friction_that_physics_gives_them() -> None:
-    assert scene.FRICTION == HAND_FRICTION
-    assert {body.friction for body in scene.make_bodies(lifting("four")) if body.driven} == {HAND_FRICTION}
+    assert {body.friction for body in scene.make_bodies(lifting("four")) if body.driven} == {DEFAULT_FRICTION}
 
 
 # -- what is feasible -----------------------------------------------------------------------------------------------

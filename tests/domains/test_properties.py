@@ -16,6 +16,7 @@ from random_tasks.properties import find_failing_facts
 from scipy.optimize import linprog
 
 import hybrid_tamp
+from hybrid_tamp.authoring import DEFAULT_FRICTION
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry.shapes import Cylinder, Shape, Sphere
 from hybrid_tamp.model.predicate import Predicate
@@ -23,7 +24,6 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.physics.protocol import open_backend
-from hybrid_tamp.skills import HAND_FRICTION
 
 RADIUS = 0.1
 DRUM, CUBE, CRATE = ("roll_cylinder", "drum"), ("tumble_two_hands", "box"), ("lift_two_hands", "box")
@@ -105,8 +105,8 @@ ratios, frictions = st.floats(0.001, 0.9), st.floats(0.01, 1.9)
 def test_a_drum_rolls_steadily_where_forces_in_the_friction_cones_balance(ratio: float, friction: float) -> None:
     """The forces on a drum of unit weight and radius: the push and the friction of the floor."""
     margin = float(_margin(rolling.ROLLS_STEADILY, friction, ratio))
-    at_hand = HAND_FRICTION * friction
-    moments = [1.0 - at_hand - ratio * at_hand - HAND_FRICTION * ratio]
+    at_hand = DEFAULT_FRICTION * friction
+    moments = [1.0 - at_hand - ratio * at_hand - DEFAULT_FRICTION * ratio]
     found = linprog([0.0], A_ub=[[1.0 - friction * at_hand]], b_ub=[friction], A_eq=[moments], b_eq=[ratio])
     if abs(margin) > 1e-6:
         assert (margin > 0) == (found.status == 0)

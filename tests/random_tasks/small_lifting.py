@@ -3,12 +3,12 @@
 import numpy as np
 from hybrid_tamp_domains.joint_lifting.classes import Liftable
 
+from hybrid_tamp.authoring import DEFAULT_FRICTION
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import quaternion_from_rpy
-from hybrid_tamp.skills import HAND_FRICTION
 from random_tasks.lifting import random_lifting
 
 KINDS = ("two", "four", "too heavy", "too heavy for four", "same side", "level hand", "flat", "three", "contradiction")
@@ -22,7 +22,7 @@ def small_lifting(seed: int, kind: str, rng: np.random.Generator) -> Task:
     changes: dict[str, object] = {}
     if kind.startswith("too heavy"):
         # Friction bears less than this weight even if the hands squeeze with their full force.
-        most = hands * 300.0 * HAND_FRICTION * box["friction"] / GRAVITY
+        most = hands * 300.0 * DEFAULT_FRICTION * box["friction"] / GRAVITY
         changes["mass"] = float(most * rng.uniform(1.05, 2.0))
     if kind == "flat":
         x, y, _ = box["half_extents"]
