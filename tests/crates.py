@@ -3,7 +3,7 @@
 Tests seed one mistake at a time into this domain. `make_task` takes changes of predicates and blocks by name.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, cast
 
@@ -287,12 +287,17 @@ NETWORK = (
 )
 
 
-def make_domain(changes: Mapping[str, Change] | None = None, more: tuple[Predicate, ...] = ()) -> Domain:
-    """Return the domain with changed predicates and blocks, and with more predicates.
+def make_domain(
+    changes: Mapping[str, Change] | None = None,
+    more: tuple[Predicate, ...] = (),
+    edges: tuple[tuple[str, str], ...] = (),
+) -> Domain:
+    """Return the domain with changed predicates and blocks, and with more predicates and edges.
 
     Args:
         changes: maps the name of each changed predicate or block to new values of its attributes.
         more: further predicates.
+        edges: further edges of the network.
     """
     changes = changes or {}
 
@@ -306,24 +311,33 @@ def make_domain(changes: Mapping[str, Change] | None = None, more: tuple[Predica
         classes=(Hand, Crate, Dock),
         predicates=tuple(on.values()),
         blocks=tuple(changed(block, on) for block in make_blocks(on)),
-        network=ReassignmentNetwork(NETWORK),
+        network=ReassignmentNetwork((*NETWORK, *edges)),
         disjoint=((Hand, Crate),),
         description="a hand pushes crates into docks",
     )
 
 
-def make_task(changes: Mapping[str, Change] | None = None, more: tuple[Predicate, ...] = ()) -> hybrid_tamp.Task:
-    """Return a task in which the hand must push the crate into a dock. See `make_domain` for the arguments."""
+def make_task(
+    changes: Mapping[str, Change] | None = None,
+    more: tuple[Predicate, ...] = (),
+    edges: tuple[tuple[str, str], ...] = (),
+    hands: tuple[str, ...] = ("hand",),
+    goal: Sequence[Mapping[str, list[str]]] = (),
+) -> hybrid_tamp.Task:
+    """Return a task in which the hands must push the crate into a dock. See `make_domain` for the other arguments."""
     dock = {"classes": [Dock], "properties": {"radius": 0.08}}
     half = (HALF_CRATE,) * 3
     return hybrid_tamp.make_task(
-        make_domain(changes, more),
+        make_domain(changes, more, edges),
         tokens={
-            "hand": {
-                "classes": [Hand],
-                "properties": {"mass": 2.0, "maximal_force": 60.0},
-                "shape": Box(kind="box", half_extents=(HALF_HAND,) * 3),
-                "pose": {"position": [-0.6, 0.0, 0.1]},
+            **{
+                name: {
+                    "classes": [Hand],
+                    "properties": {"mass": 2.0, "maximal_force": 60.0},
+                    "shape": Box(kind="box", half_extents=(HALF_HAND,) * 3),
+                    "pose": {"position": [-0.6, 0.4 * number, 0.1]},
+                }
+                for number, name in enumerate(hands)
             },
             "crate": {
                 "classes": [Crate],
@@ -334,7 +348,7 @@ def make_task(changes: Mapping[str, Change] | None = None, more: tuple[Predicate
             "near": {**dock, "pose": {"position": [0.7, 0.0, 0.0]}},
             "far": {**dock, "pose": {"position": [1.2, 0.0, 0.0]}},
         },
-        goal=[{"docked": ["crate", "near"]}],
-        agents={"robot": ["hand"]},
+        goal=[{"docked": ["crate", "near"]}, *goal],
+        agents={"robot": list(hands)},
         name="push_crate",
     )

@@ -1,7 +1,5 @@
 """Builder, which collects the parameters, preconditions and effects of one operator."""
 
-from collections.abc import Iterable
-
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.predicate import ANY, Literal
 from hybrid_tamp.symbolic.chaining.series import Sort, key
@@ -93,27 +91,13 @@ class ActionBuilder:
         self.consume(old)
         self.add(new)
 
-    def count_readers(self, token: str, change: int) -> None:
-        """Change the number of readers of a token by +1 or -1."""
+    def count_readers(self, token: str, change: int, last: bool = False) -> None:
+        """Change the number of readers of a token by +1 or -1. With `last`, require that no reader is left."""
         count = self.vocabulary.type_of(COUNT)
-        now, then = self._fresh("readers", count), self._fresh("readers", count)
+        now = self._fresh("readers", count)
+        then = self.vocabulary.none_reading if last else self._fresh("readers", count)
         self.require(("next", now, then) if change > 0 else ("next", then, now))
         self.replace(("readers", token, now), ("readers", token, then))
-
-    def require_only_reader(self, block: Block, target: str, token: str, memory: Iterable[str]) -> None:
-        """Require that the anchor of the new block is the anchor of another block, and only this block reads a token.
-
-        Args:
-            block: the other block.
-            target: target of the other block that is the token.
-            token: variable of the token.
-            memory: targets of the other block that an operator must know when the anchor leaves.
-        """
-        kept = [token if name == target else self._declare(f"other-{name}", block.roles[name]) for name in memory]
-        self.require((self.vocabulary.state("in", block), self.variable(self.block.anchor), *kept))
-        one = self._fresh("readers", self.vocabulary.type_of(COUNT))
-        self.require(("next", self.vocabulary.none_reading, one))
-        self.require(("readers", token, one))
 
     # -- literals -----------------------------------------------------------------------------------------------
 

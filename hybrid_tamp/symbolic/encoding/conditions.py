@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from hybrid_tamp.model.block import Block, Target
+from hybrid_tamp.model.block import Block, Slot, Target
 from hybrid_tamp.model.predicate import Literal, SymbolSort
 from hybrid_tamp.symbolic.encoding.assignment import keeper, locked_targets
 from hybrid_tamp.symbolic.encoding.vocabulary import Vocabulary
@@ -94,16 +94,39 @@ class Conditions:
         written = set(block.writes.get(slot, ()))
         return any(written & read for read in self._reads(block, slot))
 
-    def reading_anchors(self, block: Block, slot: str) -> Iterator[tuple[Block, str]]:
-        """Yield pairs of (block, target): blocks in which the anchor may read the token of a slot, which changes."""
-        if not self.changes(block, slot):
-            return
-        domain, mine, here = self.vocabulary.domain, block.slot(slot).object_class, (block.name, block.anchor)
-        for other in domain.blocks:
-            for target in self.locked(other) if domain.network.allows((other.name, other.anchor), here) else ():
-                sort = target.sort
-                if not isinstance(sort, SymbolSort) and domain.relations.can_share_token(mine, sort):
-                    yield other, target.name
+    def read_until_begin(self, block: Block) -> list[str]:
+        """Return the slots with tokens that the block changes, and that its other tokens may read until it begins."""
+        return [s.name for s in block.others if self.changes(block, s.name) and self._read_by_partners(block, s)]
+
+    def _read_by_partners(self, block: Block, slot: Slot) -> bool:
+        """Return whether a token that enters another slot of the block may read the slot's token before."""
+        domain = self.vocabulary.domain
+        sources = [domain.network.sources((block.name, other.name)) for other in block.slots if other is not slot]
+        reading = (domain.block_by_name[name] for ends in sources for name, _ in ends)
+        return any(self._may_be(slot, target) for old in reading for target in self.locked(old))
+
+    def _may_be(self, slot: Slot, target: Target) -> bool:
+        """Return whether the token of a slot may be the target of another block."""
+        sort = target.sort
+        shared = self.vocabulary.domain.relations.can_share_token
+        return not isinstance(sort, SymbolSort) and shared(slot.object_class, sort)
+
+    def read_before(self, old: Block, new: Block) -> Iterator[dict[str, str]]:
+        """Yield dictionaries from targets of the anchor's old block to slots of the new block.
+
+        In each dictionary, these targets are the tokens in these slots, and the new block changes these tokens. The
+        first dictionary is empty.
+        """
+        known = self.unified(old, old.anchor, new, new.anchor)
+        changed = [new.slot(name) for name in self.read_until_begin(new)]
+        choices: list[list[str | None]] = [
+            [None, *(slot.name for slot in changed if target.name not in known and self._may_be(slot, target))]
+            for target in self.locked(old)
+        ]
+        for chosen in product(*choices):
+            read = {t.name: s for t, s in zip(self.locked(old), chosen, strict=True) if s is not None}
+            if len(set(read.values())) == len(read):
+                yield read
 
     def disturbs(self, block: Block, slot: str) -> bool:
         """Return whether `changes` is true and the block continues to change the token until the block ends."""

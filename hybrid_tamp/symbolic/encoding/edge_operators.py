@@ -1,6 +1,6 @@
 """The operators of the edges of the network: ``fill``, ``begin`` and ``leave`` (see `encoder`)."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import combinations
 
 from hybrid_tamp.model.block import Block
@@ -18,24 +18,15 @@ class EdgeOperators(OperatorMaker):
     # -- fill ---------------------------------------------------------------------------------------------------
 
     def fill(self, old: Block, slot_before: str, new: Block, slot: str) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield the operators that reserve a token for a slot. Some edges have no such operator.
-
-        If the anchor may read the token in its current block, a second operator reserves the token for this anchor. The
-        block of the anchor ends when the new block begins, so the anchor does not read a token that changes.
-        """
+        """Yield the operator that reserves a token for a slot. Some edges have no such operator."""
         # The token comes from a block with one slot, or from the current block of the anchor.
         if len(old.slots) == 1 or not (old is new or slot_before == old.anchor):
-            for reader in (None, *self.conditions.reading_anchors(new, slot)):
-                yield self._fill(old, slot_before, new, slot, reader)
+            yield self._fill(old, slot_before, new, slot)
 
-    def _fill(
-        self, old: Block, slot_before: str, new: Block, slot: str, reader: tuple[Block, str] | None
-    ) -> tuple[Operator, Meaning]:
+    def _fill(self, old: Block, slot_before: str, new: Block, slot: str) -> tuple[Operator, Meaning]:
         name = f"fill-{legal(new.name)}-{legal(slot)}-from-{legal(old.name)}"
         if len(old.slots) > 1:
             name += f"-{legal(slot_before)}"
-        if reader is not None:
-            name += f"-read-in-{legal(reader[0].name)}"
         unified = self.conditions.unified(old, slot_before, new, slot)
         action = ActionBuilder(self.vocabulary, new, self._same(old, slot_before, slot, unified))
         action.require(("idle",))
@@ -51,7 +42,7 @@ class EdgeOperators(OperatorMaker):
         kept = [action.role(target) for target in remembered(self.domain, new, slot)]
         action.add((self.vocabulary.state("in", new, slot), token, anchor, *kept))
         self._bind_targets(action, new, slot)
-        self._start_writing(action, old, slot_before, new, slot, reader)
+        self._start_writing(action, old, slot_before, new, slot)
         if len(old.slots) == 1 and not old.hold:
             action.add(("completed", token))
         return action.build(name), Meaning("fill", new.name, slot, (old.name, slot_before), action.roles)
@@ -95,7 +86,10 @@ class EdgeOperators(OperatorMaker):
     # -- begin --------------------------------------------------------------------------------------------------
 
     def begin(self, old: Block, new: Block) -> Iterator[tuple[Operator, Meaning]]:
-        """Yield operators that move the anchor to a new block, one for each set of slots that move with the anchor."""
+        """Yield operators that move the anchor to a new block, one for each set of slots that move with the anchor.
+
+        If the anchor may read tokens in its old block that the new block changes, further operators are needed.
+        """
         movable = [
             slot.name
             for slot in old.others
@@ -103,15 +97,19 @@ class EdgeOperators(OperatorMaker):
         ]
         for size in range(min(len(movable), len(new.others)) + 1):
             for moved in combinations(movable, size):
-                yield self._begin(old, new, moved)
+                for read in self.conditions.read_before(old, new):
+                    yield self._begin(old, new, moved, read)
 
-    def _begin(self, old: Block, new: Block, moved: tuple[str, ...]) -> tuple[Operator, Meaning]:
+    def _begin(self, old: Block, new: Block, moved: tuple[str, ...], read: dict[str, str]) -> tuple[Operator, Meaning]:
+        # `read` maps targets of the old block to slots of the new block with the same token.
         name = "-".join(["begin", legal(new.name), "from", legal(old.name), *(f"with-{legal(s)}" for s in moved)])
-        unified = self.conditions.unified(old, old.anchor, new, new.anchor)
+        name += "".join(f"-{legal(slot)}-was-{legal(target)}" for target, slot in read.items())
+        unified = self.conditions.unified(old, old.anchor, new, new.anchor) | read
         action = ActionBuilder(self.vocabulary, new, self._same(old, old.anchor, new.anchor, unified))
         action.require(("idle",))
         anchor = action.role(new.anchor)
-        self._leave_anchor(action, old, anchor, unified)
+        self._leave_anchor(action, old, anchor, unified, read)
+        self._start_changing(action, new, unread=set(read.values()))
         rest = tuple(slot.name for slot in old.others if slot.name not in moved)
         for slot in old.others:
             action.consume((self.vocabulary.state("full" if slot.name in rest else "moved", old, slot.name), anchor))
@@ -121,6 +119,18 @@ class EdgeOperators(OperatorMaker):
         self._enter_anchor(action, old, new)
         source = (old.name, old.anchor)
         return action.build(name), Meaning("begin", new.name, new.anchor, source, action.roles, frozenset(moved))
+
+    def _start_changing(self, action: ActionBuilder, new: Block, unread: Collection[str]) -> None:
+        """Require that no instance reads a token that the block changes. Slots in `unread` need no such condition.
+
+        Tokens other than the anchor may read the token until they fill their slots. So `fill` cannot require this.
+        """
+        for slot in self.conditions.read_until_begin(new):
+            kept = [action.role(target) for target in remembered(self.domain, new, slot)]
+            token = action.role(slot)
+            action.require((self.vocabulary.state("in", new, slot), token, action.variable(new.anchor), *kept))
+            if slot not in unread:
+                action.require(("readers", token, self.vocabulary.none_reading))
 
     def _enter_anchor(self, action: ActionBuilder, old: Block, new: Block) -> None:
         anchor = action.variable(new.anchor)

@@ -1,6 +1,6 @@
 """Preconditions and effects of leaving and entering a block, for operators of all kinds."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -69,25 +69,12 @@ class OperatorMaker:
         elif new.hold and not old.hold and slot_before == old.anchor:
             action.add(("completed", anchor))
 
-    def _start_writing(
-        self,
-        action: ActionBuilder,
-        old: Block,
-        slot_before: str,
-        new: Block,
-        slot: str,
-        reader: tuple[Block, str] | None = None,
-    ) -> None:
-        """If the block changes the token of the slot, require that no instance reads the token. Update `settled`.
-
-        With `reader`, a pair of (block, target), require instead that only this block of the anchor reads the token.
-        """
+    def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
+        """If the block changes the token of the slot, require that no instance reads the token. Update `settled`."""
+        token = action.variable(slot)
         if not self.conditions.readable(new, slot):
             return
-        token = action.variable(slot)
-        if reader is not None:
-            action.require_only_reader(*reader, token, remembered(self.domain, reader[0], reader[0].anchor))
-        elif self.conditions.changes(new, slot):
+        if self.conditions.changes(new, slot) and slot not in self.conditions.read_until_begin(new):
             action.require(("readers", token, self.vocabulary.none_reading))
         if self.conditions.disturbs(new, slot):
             action.delete(("settled", token))
@@ -96,10 +83,13 @@ class OperatorMaker:
 
     # -- leaving the old block
 
-    def _leave_anchor(self, action: ActionBuilder, old: Block, anchor: str, unified: dict[str, str]) -> None:
+    def _leave_anchor(
+        self, action: ActionBuilder, old: Block, anchor: str, unified: dict[str, str], last: Collection[str] = ()
+    ) -> None:
+        """Remove an anchor from its block. The targets in `last` must have no other readers."""
         self._void(action, old, old.anchor, {old.anchor: anchor}, unified)
         for target in self.conditions.locked(old):
-            action.count_readers(action.other(old, target.name, unified), -1)
+            action.count_readers(action.other(old, target.name, unified), -1, target.name in last)
 
     def _void(
         self, action: ActionBuilder, old: Block, slot: str, variables: dict[str, str], unified: dict[str, str]
