@@ -2,8 +2,8 @@
 
 Between two poses, no point of a body moves farther than ``|dx| + r |dangle|``, where r is the reach of the body. So the
 distance on an interval is at least ``(d0 + d1 - |dx| - r |dangle|) / 2``, where d0 and d1 are the distances at its
-ends. The interval with the least bound is divided until no bound is much below the least distance that was found. Unlike
-samples at fixed steps, this misses no contact.
+ends. The interval with the least bound is divided until no bound is much below the least distance that was found. In
+contrast to samples at fixed steps, this search misses no contact.
 """
 
 import heapq
@@ -94,7 +94,7 @@ def find_clearance(
         for body, pose in others:
             best = _improve(best, track, body.name, _distance_from(track.body, body, pose), limit, precision)
         if floor:
-            best = _improve(best, track, FLOOR, lambda at, _, body=track.body: body.height(at), limit, precision)
+            best = _improve(best, track, FLOOR, _height_of(track.body), limit, precision)
     return best
 
 
@@ -108,6 +108,10 @@ def _distance_from(moving: Body, other: Body, there: Pose) -> _Distance:
         return bound if bound > limit else find_nearest(moving, at, other, there).distance
 
     return distance
+
+
+def _height_of(moving: Body) -> _Distance:
+    return lambda at, limit: moving.height(at)
 
 
 def _improve(

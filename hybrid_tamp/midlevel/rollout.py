@@ -37,6 +37,7 @@ class Rollouts:
         self.plan = plan
         self._events = reassignments(task, plan)
         self._simulations = {instance.name: Simulation(task, instance, deadline) for instance in plan.instances}
+        self._traced: _Chain | None = None
 
     def __call__(self, chosen: Chosen, count: int = 1, until: str | None = None) -> Rollout:
         """Roll out a population.
@@ -50,8 +51,23 @@ class Rollouts:
         Raises:
             LimitReached: the deadline passes.
         """
-        chain = _Chain(self.task, self._simulations, chosen, count)
-        chain.begin(initial(self.plan), np.zeros(count, dtype=np.int64))
+        return self._roll_out(_Chain(self.task, self._simulations, chosen, count), until)
+
+    def trace(self, name: str) -> State:
+        """Return the states ``(t, m)`` of an instance's tokens from its start to its exit, for the plan's own values.
+
+        Raises:
+            LimitReached: the deadline passes.
+        """
+        if self._traced is None:
+            self._traced = _Chain(self.task, self._simulations, {}, 1)
+            self._roll_out(self._traced, None)
+        running = self._traced.begun[name]
+        assert running.stretch is not None
+        return self._simulations[name].trace(running.start[0], running.chosen, int(running.stretch.steps[0]))
+
+    def _roll_out(self, chain: "_Chain", until: str | None) -> Rollout:
+        chain.begin(initial(self.plan), np.zeros(chain.count, dtype=np.int64))
         times: list[IntArray] = []
         for event in self._events:
             if until in event.ending:
@@ -87,6 +103,7 @@ class _Chain:
     def __post_init__(self) -> None:
         self.now = np.tile(self.task.state.values, (self.count, 1))
         self.running: dict[str, _Running] = {}
+        self.begun: dict[str, _Running] = {}
         self.broken = np.zeros(self.count, dtype=bool)
         self.last = np.zeros(self.count, dtype=np.int64)
 
@@ -98,7 +115,8 @@ class _Chain:
             state = simulation.state(start)
             if time.any():
                 self._note(instance.name, simulation.block.predicted_entries, simulation, simulation.entries(state))
-            self.running[instance.name] = _Running(time, start, self._hyperparameters(instance, state))
+            running = _Running(time, start, self._hyperparameters(instance, state))
+            self.running[instance.name] = self.begun[instance.name] = running
 
     def _hyperparameters(self, instance: BlockInstance, state: State) -> dict[str, FloatArray]:
         found, simulation = {}, self.simulations[instance.name]

@@ -8,6 +8,7 @@ from hybrid_tamp.midlevel.population import CHUNK, STILL, InstanceModel, IntArra
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import BlockInstance
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
@@ -63,6 +64,27 @@ class Simulation(InstanceModel):
                 break
             state = after
         return held
+
+    def trace(self, start: FloatArray, chosen: Mapping[str, FloatArray], steps: int) -> State:
+        """Return the states of the instance's tokens during the first control steps, for one candidate.
+
+        Args:
+            start: initial state ``(m,)``.
+            chosen: maps each hyperparameter to its value, shape ``(1,)``.
+            steps: number t of control steps.
+
+        Returns:
+            States ``(t + 1, m)``, beginning with the initial state.
+        """
+        model = self.start_from(start[None], chosen)
+        states = [start[None]]
+        for step in range(steps):
+            if step % CHUNK == 0:
+                self._deadline.check()
+            elapsed = np.asarray(step * CONTROL_PERIOD, dtype=np.float64)
+            with np.errstate(all="ignore"):
+                states.append(model.step(elapsed, self.state(states[-1]))[0].values)
+        return self.state(np.concatenate(states))
 
     def _run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
         if not self.block.moves:

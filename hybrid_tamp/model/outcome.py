@@ -103,9 +103,7 @@ class Exclusion:
     def text(self) -> str:
         """Description of the binding and of the amount by which the condition fails."""
         roles = ", ".join(f"{role}={name}" for role, name in self.instance.roles.items())
-        short = self.shortfall
-        unit = "" if short.unit == "1" else f" {short.unit}"
-        return f"{self.instance.block} with {roles}: {short.atom.text} fails by at least {-short.margin:.3g}{unit}"
+        return f"{self.instance.block} with {roles}: {self.shortfall.text}"
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,8 @@ from hybrid_tamp.model.predicate import Atom
 
 GOAL = "goal"
 """Text that stands for the goal where the name of an instance is expected."""
+CLEAR = "clear"
+"""Name of the condition that a movement hits no body that takes no part in the movement."""
 
 MeasureKey = tuple[str, str]
 """Pair of (instance, performance measure)."""
@@ -82,6 +84,15 @@ class Shortfall:
     atom: Atom
     unit: str
     margin: float
+
+    @property
+    def text(self) -> str:
+        """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
+        if self.atom.predicate == CLEAR:
+            moving, other = self.atom.arguments
+            return f"{moving} hits {other}, {-self.margin:.3g} m deep"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
 
 
 @dataclass(frozen=True)

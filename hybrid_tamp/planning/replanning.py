@@ -16,6 +16,7 @@ from hybrid_tamp.model.outcome import NOT_REFINED, Exclusion, PlanningFailure, P
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.planning.clearance import find_collision
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
 from hybrid_tamp.workers.processes import count_processors
@@ -62,6 +63,9 @@ def plan_and_refine(
             refined = _optimise(outcome, outcome.plan, progress, backend, processes or count_processors(), deadline)
         except LimitReached as limit:
             return replace(outcome, failure=PlanningFailure.of(limit))
+        if refined.shortfall is None:
+            collision = find_collision(outcome.chosen or task, refined.plan, deadline)
+            refined = replace(refined, shortfall=collision)
         if refined.shortfall is None:
             return replace(outcome, plan=refined.plan, refinement=refined)
         planned = outcome.plan

@@ -61,7 +61,10 @@ def test_the_least_distance_of_a_turning_body_agrees_with_dense_samples(seed: in
     orientations = np.array([quaternion_from_rpy(rng.uniform(-1.5, 1.5, 3)) for _ in positions])
     track = Track(CRATE, positions, orientations)
     obstacles = [
-        (Body(f"box {i}", Box(kind="box", half_extents=tuple(rng.uniform(0.05, 0.2, 3)))), Pose(rng.uniform(-2, 2, 3), UPRIGHT))
+        (
+            Body(f"box {i}", Box(kind="box", half_extents=tuple(rng.uniform(0.05, 0.2, 3)))),
+            Pose(rng.uniform(-2, 2, 3), UPRIGHT),
+        )
         for i in range(4)
     ]
     samples = [
