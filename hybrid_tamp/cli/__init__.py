@@ -27,8 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
         report_error(error, "--json" in words)
         return error.exit_status
     except usage_error as error:
-        message = error.format_message() if hasattr(error, "format_message") else str(error)
-        report_error(InputError([Issue("", message.rstrip("."), remedy="see 'hybrid-tamp --help'")]), "--json" in words)
+        report_error(_usage_fault(error), "--json" in words)
         return InputError.exit_status
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)
@@ -41,3 +40,11 @@ def main(arguments: list[str] | None = None) -> int:
             raise
         return output_failed(end.__context__)
     return int(status or 0)
+
+
+def _usage_fault(error: Exception) -> InputError:
+    """Return the error for wrong words on the command line, with the command that prints the help of the verb."""
+    message = error.format_message() if hasattr(error, "format_message") else str(error)
+    context = getattr(error, "ctx", None)
+    verb = "hybrid-tamp" if context is None else context.command_path
+    return InputError([Issue("", message.rstrip("."), remedy=f"see '{verb} -h'")])

@@ -10,16 +10,16 @@ _TASK_FILE = "from the task file"
 
 def complete_task(incomplete: str) -> Iterator[str]:
     """Yield the names of the bundled tasks that begin with the given letters, for completion in the shell."""
-    from hybrid_tamp.taskfile.domains import bundled_tasks
+    from hybrid_tamp.verbs.tasks import task_names
 
-    yield from (name for name in bundled_tasks() if name.startswith(incomplete))
+    yield from (name for name in task_names() if name.startswith(incomplete))
 
 
 def complete_planner(incomplete: str) -> Iterator[str]:
     """Yield the names of the planning engines that begin with the given letters, for completion in the shell."""
-    from hybrid_tamp.symbolic.engines.registry import known_engines
+    from hybrid_tamp.verbs.planners import planner_names
 
-    yield from (name for name in known_engines() if name.startswith(incomplete))
+    yield from (name for name in planner_names() if name.startswith(incomplete))
 
 
 Task = Annotated[
@@ -88,3 +88,6 @@ Refine = Annotated[
 ]
 Backend = Annotated[str, typer.Option("--backend", metavar="NAME", help="physics backend")]
 Force = Annotated[bool, typer.Option("--force", help="replace existing output files")]
+ComparePlanners = Annotated[
+    bool, typer.Option("--compare-planners", help="plan with each installed engine, and print one table")
+]

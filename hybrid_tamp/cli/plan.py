@@ -11,7 +11,6 @@ from hybrid_tamp.errors import InputError, Issue
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.outcome import PlanOutcome
-    from hybrid_tamp.symbolic.strategies.search import Planner
     from hybrid_tamp.verbs.loading import Settings
 
 
@@ -31,9 +30,7 @@ def plan(
     optimiser: options.Optimiser = None,
     evaluations: options.Evaluations = None,
     refine: options.Refine = None,
-    compare_planners: Annotated[
-        bool, typer.Option("--compare-planners", help="plan with each installed engine, and print one table")
-    ] = False,
+    compare_planners: options.ComparePlanners = False,
 ) -> None:
     """Plan a task, or explain why there is no plan.
 
@@ -51,7 +48,7 @@ def plan(
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         if compare_planners:
-            _compare(task, process, settings, as_json)
+            _compare(task, settings, as_json)
             return
         with progress_bar() as tell:
             outcome = plan_task(
@@ -64,13 +61,13 @@ def plan(
         raise typer.Exit(outcome.error.exit_status)
 
 
-def _compare(task: str, process: "Planner", settings: "Settings", as_json: bool) -> None:
+def _compare(task: str, settings: "Settings", as_json: bool) -> None:
     from hybrid_tamp.report.listings import comparison_document, comparison_of_planners
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.verbs.compare_planners import compare_planners
 
     with progress_bar() as tell:
-        results = compare_planners(task, process, settings, tell)
+        results = compare_planners(task, settings, tell)
     say(comparison_document(task, results), as_json, lambda: comparison_of_planners(task, results))
 
 

@@ -75,6 +75,9 @@ def load_recording(path: Path | str) -> Recording:
         InputError: the file does not exist, or does not contain a complete and consistent recording.
     """
     path = Path(path)
+    if not path.exists():
+        remedy = f"record a run with 'hybrid-tamp run TASK -o {path.parent}'"
+        raise InputError([Issue(str(path), "there is no recording of a run", remedy=remedy)])
     try:
         arrays = _read_arrays(path)
         document = RecordingDocument.model_validate_json(arrays["document"].tobytes())

@@ -49,7 +49,7 @@ def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ..
 
     The text also says whether the fact is a limit of the blocks.
     """
-    limit = "; a limit of the blocks, not of physics" if predicate.competence else ""
+    limit = "; a limit of the available actions, not of physics" if predicate.competence else ""
     off = f"off by {with_unit(abs(margin), predicate.unit)}"
     if predicate.safety is None or predicate.safety.factor == 1.0:
         return off + limit

@@ -72,14 +72,8 @@ def refine(
         refined = refine_in_physics(settings, searched, candidates.point, Objective(task, plan, measured))
         candidates = candidates.replace_best(searched.objective, refined.point)
     found = summarise(searched, candidates, refined, began)
-    _LOG.info(
-        "%s optimised %d of %d hyperparameters in %d rollouts and %.2f s",
-        found.optimiser,
-        len(searched.screening.relevant),
-        len(found.hyperparameters),
-        found.evaluations,
-        found.seconds,
-    )
+    optimised = f"{len(searched.screening.relevant)} of {len(found.hyperparameters)} hyperparameters"
+    _LOG.info("%s optimised %s in %d rollouts, %.2f s", found.optimiser, optimised, found.evaluations, found.seconds)
     return found
 
 

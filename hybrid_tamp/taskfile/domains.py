@@ -202,4 +202,5 @@ def find_task_file(text: str) -> Path:
     if os.path.exists(text):
         # Also return paths of folders etc., because reading them raises a clearer error than the error below.
         return Path(text)
-    raise InputError([Issue("", "neither a task file nor a bundled task has this name", shown(text), bundled)])
+    remedy = "'hybrid-tamp tasks' lists the bundled tasks"
+    raise InputError([Issue("", "neither a task file nor a bundled task has this name", shown(text), bundled, remedy)])

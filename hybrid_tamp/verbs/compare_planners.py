@@ -12,13 +12,12 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import Progress
 from hybrid_tamp.symbolic.engines.installed import list_engines
-from hybrid_tamp.symbolic.strategies.search import Planner
+from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.verbs.loading import Settings, load_timed
 
 
 def compare_planners(
     source: Task | Path | str,
-    planner: Planner,
     settings: Settings = Settings(),  # noqa: B008
     progress: Progress | None = None,
 ) -> list[EngineResult]:
@@ -26,7 +25,6 @@ def compare_planners(
 
     Args:
         source: a task, the path of a task file, or the name of a bundled task.
-        planner: a running planner process.
         settings: settings that override the task file. The time limit applies to each engine.
         progress: called with the completed fraction of the work and the name of the current engine.
 
@@ -35,11 +33,12 @@ def compare_planners(
     """
     tell = progress or (lambda share, what: None)
     names = [engine.name for engine in list_engines() if engine.version is not None]
-    return list(_results(source, planner, settings, names, tell))
+    with PlannerProcess() as process:
+        return list(_results(source, process, settings, names, tell))
 
 
 def _results(
-    source: Task | Path | str, planner: Planner, settings: Settings, names: list[str], tell: Progress
+    source: Task | Path | str, planner: PlannerProcess, settings: Settings, names: list[str], tell: Progress
 ) -> Iterator[EngineResult]:
     for number, name in enumerate(names):
         tell(number / len(names), name)

@@ -15,11 +15,9 @@ import typer
 
 from hybrid_tamp.cli.app import app
 from hybrid_tamp.model.listings import InstalledEngine
-from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.engines.registry import known_engines
 from hybrid_tamp.taskfile.domains import bundled_tasks
 from hybrid_tamp.verbs import compare_planners
-from hybrid_tamp.verbs.loading import Settings
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 CLI = [sys.executable, "-m", "hybrid_tamp.cli"]
@@ -90,9 +88,8 @@ def test_the_planners_are_compared(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         compare_planners, "list_engines", lambda: [*listed, InstalledEngine("lpg", None, "", "first found", False)]
     )
-    with PlannerProcess() as process:
-        first, second = compare_planners.compare_planners("roll_cylinder", process)
-        (refused, _) = compare_planners.compare_planners("roll_cylinder_off_axis", process, Settings())
+    first, second = compare_planners.compare_planners("roll_cylinder")
+    (refused, _) = compare_planners.compare_planners("roll_cylinder_off_axis")
     assert (first.planner, first.status, first.actions) == ("fast-downward", "solved", 5)
     assert (second.planner, second.actions, second.message) == ("pyperplan-opt", 5, "proven fewest")
     assert (refused.status, refused.actions, refused.message) == ("unsolvable", None, "")

@@ -35,7 +35,7 @@ def exit_statuses(error: type[HybridTampError]) -> Iterator[int]:
 
 
 def test_the_table_of_exit_statuses_is_complete() -> None:
-    _, table = (ROOT / "README.md").read_text(encoding="utf-8").split("| exit status | meaning |\n")
+    _, table = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8").split("| exit status | meaning |\n")
     rows, _, _ = table.partition("\n\n")
     assert {int(status) for status in re.findall(r"^\| (\d+) ", rows, re.MULTILINE)} == {
         0,

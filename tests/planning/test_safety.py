@@ -44,7 +44,7 @@ def test_a_message_says_what_physics_forbids_and_what_blocks_cannot_do() -> None
         for outcome in (hybrid_tamp.plan(problem("roll_cylinder_off_axis")), hybrid_tamp.plan(crate(24)))
         if outcome.explanation is not None
     )
-    assert any("(off by 0.078 m; a limit of the blocks, not of physics)" in message for message in askew)
+    assert any("(off by 0.078 m; a limit of the available actions, not of physics)" in message for message in askew)
     assert heavy
     assert not any("limit of the blocks" in message for message in heavy)
 

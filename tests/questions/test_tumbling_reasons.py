@@ -98,7 +98,7 @@ def test_strong_enough_but_too_far() -> None:
     reason = only(explain(task("tumble_two_hands", ("[0, 0, 0.18]", "[2.5, 0, 0.18]"))))
     assert reason.atom == Atom("within_reach", ("hand-2", "box"))
     assert reason.margin == pytest.approx(-0.697)
-    assert "(off by 0.697 m; a limit of the blocks, not of physics)" in reason.message
+    assert "(off by 0.697 m; a limit of the available actions, not of physics)" in reason.message
     assert "hand-2 cannot reach its positions beside and above box" in reason.message
 
 
