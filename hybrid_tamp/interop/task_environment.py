@@ -124,7 +124,7 @@ class TaskEnvironment(gymnasium.Env[FloatArray, FloatArray]):
         if self._state is None:
             raise ResetNeeded("call reset() before render()")
         if self._renderer is None:
-            self._renderer = self._resources.enter_context(open_renderer(self.task, self._begun()))
+            self._renderer = self._resources.enter_context(open_renderer(self.task, self._imagine_run()))
         return self._renderer.picture(self._state)
 
     def close(self) -> None:
@@ -151,14 +151,24 @@ class TaskEnvironment(gymnasium.Env[FloatArray, FloatArray]):
         }
         return state.values.copy(), information
 
-    def _begun(self) -> Recording:
-        """Return a recording of the initial state, from which the renderer takes the position of its camera."""
+    def _imagine_run(self) -> Recording:
+        """Return a recording with the initial state, and with states in which all tokens are where one token begins.
+
+        The camera, which shows a whole recording, then shows the space in which tokens move. All tokens also occur at
+        the height of the highest token, because hands lift tokens.
+        """
+        begun = self.task.state
+        places = [begun[token, "position"] for token in self.task.tokens]
+        highest = max(place[2] for place in places)
+        spots = [spot for place in places for spot in (place, np.array([*place[:2], highest]))]
+        moved = [begun.replace({(token.name, "position"): spot for token in self.task.tokens}) for spot in spots]
+        states = np.stack([state.values for state in (begun, *moved)])
         return Recording(
             layout=self.observation_layout,
             commands_layout=self.action_layout.entries,
-            times=np.zeros(1),
-            states=self.task.state.values[None],
-            commands=np.zeros((0, self.action_layout.size)),
+            times=np.arange(len(states), dtype=np.float64) * self._backend.timestep,
+            states=states,
+            commands=np.zeros((len(moved), self.action_layout.size)),
             instances=(),
             exits={},
             goal=(),

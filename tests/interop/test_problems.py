@@ -1,6 +1,7 @@
 """Tasks become problems of unified_planning, whose plans become plans of the tasks in the users' names."""
 
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from unified_planning.plans import ActionInstance, PartialOrderPlan, SequentialP
 from unified_planning.shortcuts import OneshotPlanner, get_environment
 
 import hybrid_tamp
-from hybrid_tamp import InputError, Task, from_unified_planning, to_unified_planning
+from hybrid_tamp import InputError, Task, TaskPlan, from_unified_planning, to_unified_planning
 
 PROBLEMS = Path(__file__).resolve().parents[2] / "problems"
 ENGINES: dict[str, dict[str, Any]] = {
@@ -28,10 +29,12 @@ def solve(problem: Problem, engine: str) -> Any:
 
 
 @cache
-def rolling() -> tuple[Task, Problem, Any]:
+def rolling() -> tuple[Task, Problem, Any, TaskPlan]:
+    """Return a task, its problem, a plan of the problem, and the same plan as a plan of the task."""
     task = hybrid_tamp.load_task("roll_cylinder")
     problem = to_unified_planning(task)
-    return task, problem, solve(problem, "pyperplan")
+    found = solve(problem, "pyperplan")
+    return task, problem, found, from_unified_planning(task, found)
 
 
 def odd_names() -> Task:
@@ -43,7 +46,7 @@ def odd_names() -> Task:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("name", ["roll_cylinder", "hammer_strike", "lift_two_hands"])
+@pytest.mark.parametrize("name", ["roll_cylinder", "lift_two_hands"])
 def test_a_plan_of_an_engine_comes_back(name: str, engine: str) -> None:
     task = hybrid_tamp.load_task(name)
     problem = to_unified_planning(task)
@@ -63,32 +66,32 @@ def test_plans_have_the_users_names(engine: str) -> None:
 
 
 def test_the_problem_belongs_to_the_global_environment() -> None:
-    _, problem, _ = rolling()
+    _, problem, _, _ = rolling()
     assert problem.environment is get_environment()
     assert get_environment().error_used_name is False
 
 
 def test_the_same_task_gives_the_same_problem() -> None:
-    task, problem, plan = rolling()
+    task, problem, found, plan = rolling()
     assert to_unified_planning(task) == problem
-    assert from_unified_planning(task, plan) == from_unified_planning(task, plan)
+    assert from_unified_planning(task, found) == plan
 
 
 def test_a_partially_ordered_plan_comes_back() -> None:
-    task, _, plan = rolling()
-    chain = {one: [other] for one, other in zip(plan.actions, plan.actions[1:], strict=False)}
-    assert from_unified_planning(task, PartialOrderPlan(chain)) == from_unified_planning(task, plan)
+    task, _, found, plan = rolling()
+    chain = {one: [other] for one, other in pairwise(found.actions)}
+    assert from_unified_planning(task, PartialOrderPlan(chain)) == plan
 
 
 def broken(how: str) -> Any:
     """Return a plan of `rolling` that is broken in one way."""
-    _, problem, plan = rolling()
-    first, *others = plan.actions
+    _, problem, found, _ = rolling()
+    first, *others = found.actions
     thing = problem.environment.expression_manager.ObjectExp(Object("nobody", first.actual_parameters[0].object().type))
     return {
         "nothing": None,
         "result": "SOLVED_SATISFICING",
-        "short": SequentialPlan(plan.actions[:-1]),
+        "short": SequentialPlan(found.actions[:-1]),
         "order": SequentialPlan([*others, first]),
         "action": SequentialPlan([ActionInstance(InstantaneousAction("fly"))]),
         "object": SequentialPlan([ActionInstance(first.action, (thing, *first.actual_parameters[1:])), *others]),
@@ -109,15 +112,15 @@ def broken(how: str) -> Any:
     ],
 )
 def test_what_is_not_a_plan_is_refused(how: str, message: str) -> None:
-    task, _, _ = rolling()
+    task, _, _, _ = rolling()
     with pytest.raises(InputError, match=f"^plan: expected a plan of the task roll_cylinder; got .*{message}"):
         from_unified_planning(task, broken(how))
 
 
 def test_a_plan_of_another_task_is_refused() -> None:
-    _, _, plan = rolling()
+    _, _, found, _ = rolling()
     with pytest.raises(InputError, match="expected a plan of the task hammer_strike"):
-        from_unified_planning(hybrid_tamp.load_task("hammer_strike"), plan)
+        from_unified_planning(hybrid_tamp.load_task("hammer_strike"), found)
 
 
 def test_a_goal_with_a_choice_has_one_problem_for_each_choice() -> None:

@@ -1,9 +1,6 @@
 """Trajectories of recordings are tables that pandas and the verb `imitate` read."""
 
 import csv
-import json
-import subprocess
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,24 +9,17 @@ import pandas as pd
 import pytest
 
 import hybrid_tamp
-from hybrid_tamp import BlockInstance, InputError, Recording, save_trajectories, trajectory_table
-from hybrid_tamp.questions.imitate.segmentation import segment
-from hybrid_tamp.questions.imitate.transfer import transfer
+from hybrid_tamp import BlockInstance, InputError, Recording, Task, TaskPlan, save_trajectories, trajectory_table
+from hybrid_tamp.execution.execute import execute
+from hybrid_tamp.execution.storage import save
+from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.taskfile.pose_tables import read_poses
 
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
-
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("runs") / "roll"
-    hybrid_tamp.run("roll_cylinder", folder, backend="analytic")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def rolled(folder: Path) -> Recording:
-    return hybrid_tamp.load_recording(folder / "recording.npz")
+def rolled(planned: tuple[Task, TaskPlan]) -> Recording:
+    with open_backend("analytic") as physics:
+        return execute(*planned, physics)
 
 
 def test_the_columns_are_the_poses_of_all_tokens_except_places(rolled: Recording) -> None:
@@ -81,21 +71,20 @@ def test_imitate_reads_the_same_states(rolled: Recording, tmp_path: Path) -> Non
     np.testing.assert_allclose(noise.values, 0.0, atol=1e-3)
 
 
-def test_another_agent_imitates_the_exported_run(folder: Path, tmp_path: Path, command: Command) -> None:
-    table = tmp_path / "roll.csv"
-    done = command("report", folder, "--csv", table, "--json")
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["csv"] == str(table)
-    done = command("report", folder, "--csv", table)
-    assert done.returncode == 30
-    assert "the file for the trajectories must not exist yet; got an existing file" in done.stderr
-    shown = hybrid_tamp.read_shown(table, hybrid_tamp.load_task("roll_cylinder"))
-    other = hybrid_tamp.load_task("roll_by_another_agent")
-    found = segment(shown.task, shown.observation)
-    assert not found.unexplained
-    moved = transfer(shown.task, found.plan, other)
-    assert moved.roles == {"hand": "paddle", "drum": "barrel", "goal": "yard"}
-    assert hybrid_tamp.check_law(other, moved.plan) == []
+def test_the_folder_of_a_run_has_the_same_trajectories(rolled: Recording, tmp_path: Path) -> None:
+    save(rolled, tmp_path / "recording.npz")
+    save_trajectories(rolled, tmp_path / "one.csv")
+    save_trajectories(tmp_path, tmp_path / "other.csv")
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+
+
+def test_a_file_is_replaced_only_by_force(rolled: Recording, tmp_path: Path) -> None:
+    (tmp_path / "roll.csv").write_text("mine")
+    with pytest.raises(InputError, match="the file for the trajectories must not exist yet; got an existing file"):
+        save_trajectories(rolled, tmp_path / "roll.csv")
+    assert (tmp_path / "roll.csv").read_text() == "mine"
+    save_trajectories(rolled, tmp_path / "roll.csv", force=True)
+    assert (tmp_path / "roll.csv").read_text().startswith("time,hand.x,hand.y,hand.z,hand.qx")
 
 
 def test_a_folder_without_a_run_has_no_trajectories(tmp_path: Path) -> None:
