@@ -71,6 +71,22 @@ def test_an_action_above_its_limit_is_scaled_down(environment: TaskEnvironment) 
     assert State(environment.observation_layout, at)["hand", "velocity"][0] > 0.3
 
 
+def test_a_command_at_its_limit_keeps_its_bits(environment: TaskEnvironment) -> None:
+    """A command that was scaled down may exceed its limit by a rounding error."""
+    layout = environment.action_layout
+    rows = [layout.limited(row)[0] for row in 1000.0 * np.random.default_rng(0).standard_normal((100, 3))]
+    assert any(layout.limited(row)[1] for row in rows)
+    assert all(environment._limit(row).tobytes() == row.tobytes() for row in rows)
+
+
+def test_a_changed_observation_does_not_change_the_episode(environment: TaskEnvironment) -> None:
+    environment.reset()
+    wanted = environment.step(np.ones(3))[0]
+    seen, _ = environment.reset()
+    seen[:] = 0.0
+    np.testing.assert_array_equal(environment.step(np.ones(3))[0], wanted)
+
+
 @pytest.mark.parametrize("action", [np.zeros(2), np.zeros((1, 3)), np.array([np.nan, 0.0, 0.0])])
 def test_a_wrong_action_is_refused(environment: TaskEnvironment, action: np.ndarray) -> None:
     environment.reset()
