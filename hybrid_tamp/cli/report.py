@@ -19,7 +19,10 @@ def report(
     ] = None,
     force: options.Force = False,
 ) -> None:
-    """Write report.html again from the JSON documents in a folder."""
+    """Write report.html again from the documents in a folder.
+
+    Example: hybrid-tamp report out
+    """
     from hybrid_tamp.verbs.loading import Settings
     from hybrid_tamp.verbs.report import write_report
     from hybrid_tamp.verbs.trajectories import save_trajectories
