@@ -21,7 +21,7 @@ def report(
 ) -> None:
     """Write report.html again from the documents in a folder.
 
-    Example: hybrid-tamp report out
+    Example: hybrid-tamp report out --csv poses.csv
     """
     from hybrid_tamp.verbs.loading import Settings
     from hybrid_tamp.verbs.report import write_report
