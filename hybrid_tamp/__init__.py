@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from hybrid_tamp.errors import LimitReached as LimitReached
     from hybrid_tamp.errors import NoPlan as NoPlan
     from hybrid_tamp.execution.storage import load_recording as load_recording
+    from hybrid_tamp.interop.environment import make_environment as make_environment
+    from hybrid_tamp.interop.problems import from_unified_planning as from_unified_planning
+    from hybrid_tamp.interop.problems import to_unified_planning as to_unified_planning
+    from hybrid_tamp.interop.trajectories import trajectory_table as trajectory_table
     from hybrid_tamp.model.affordances import AffordanceResult as AffordanceResult
     from hybrid_tamp.model.conditions import Violation as Violation
     from hybrid_tamp.model.domain import Domain as Domain
@@ -58,10 +62,14 @@ if TYPE_CHECKING:
     from hybrid_tamp.verbs.probe import save_members as save_members
     from hybrid_tamp.verbs.replay import replay as replay
     from hybrid_tamp.verbs.run import run as run
+    from hybrid_tamp.verbs.trajectories import save_trajectories as save_trajectories
 
 _NAMES = {
     "errors": "DomainError ExecutionFailed HybridTampError InputError Issue LawBroken LimitReached NoPlan",
     "execution.storage": "load_recording",
+    "interop.environment": "make_environment",
+    "interop.problems": "from_unified_planning to_unified_planning",
+    "interop.trajectories": "trajectory_table",
     "model.affordances": "AffordanceResult",
     "model.conditions": "Violation",
     "model.domain": "Domain",
@@ -93,6 +101,7 @@ _NAMES = {
     "verbs.probe": "probe save_members",
     "verbs.replay": "replay",
     "verbs.run": "run",
+    "verbs.trajectories": "save_trajectories",
 }
 """Maps each module to a string of its public names."""
 _HOME_OF = {name: home for home, names in _NAMES.items() for name in names.split()}

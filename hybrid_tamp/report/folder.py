@@ -102,5 +102,24 @@ class RunFolder:
         return self.write_text(name, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
+def write_new_file(path: Path, text: str, what: str, *, force: bool = False) -> None:
+    """Write a text file. The file has a temporary name until all of the text is written.
+
+    Args:
+        path: path of the file.
+        text: text of the file.
+        what: what the file contains, e.g. ``the primitive``, for messages.
+        force: whether to replace an existing file.
+
+    Raises:
+        InputError: the file exists and `force` is false, or the file cannot be written.
+    """
+    if path.is_dir() or (path.exists() and not force):
+        came = "a folder" if path.is_dir() else "an existing file"
+        wanted = f"the file for {what} must not exist yet"
+        raise InputError([Issue(str(path), wanted, came, remedy="force=True replaces the existing file")])
+    RunFolder(path.parent).write_text(path.name, text)
+
+
 def _unwritable(path: Path, error: OSError) -> InputError:
     return InputError([Issue(str(path), "cannot write to the output folder", str(error.strerror))])

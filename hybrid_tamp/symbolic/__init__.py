@@ -14,8 +14,9 @@
     reencode        TaskPlan -> PlannedActions of a compiled task
     relaxation      quickly proves that some tasks have no plan
     pddl/           writes problems and plans as PDDL text, joins facts
-    plan_text       reads plans of other planners
+    exported        compiles tasks for other planners and checks their plans
+    plan_text       reads plans of other planners from files
     temporal/       exports tasks and plans as PDDL 2.1, with one durative action per block
 
-Only the worker process of engines/ imports unified_planning.
+In the symbolic stage, only engines/ imports unified_planning, and only in the worker process.
 """

@@ -4,15 +4,9 @@ import re
 from pathlib import Path
 
 from hybrid_tamp.errors import InputError, Issue
-from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.symbolic.decode import NotAPlanError
-from hybrid_tamp.symbolic.encoding.problem import compile_task
-from hybrid_tamp.symbolic.encoding.task_words import settle_goal
-from hybrid_tamp.symbolic.schedule import schedule_actions
-from hybrid_tamp.symbolic.whereabouts.export import encoded_task
-from hybrid_tamp.symbolic.whereabouts.situate import Situation
+from hybrid_tamp.symbolic.exported import ExportedTask
 
 _ACTION = re.compile(r"\(\s*([^()\s]+(?:\s+[^()\s]+)*)\s*\)")
 
@@ -34,21 +28,8 @@ def read_plan(task: Task, path: Path | str) -> TaskPlan:
         text = Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError([Issue(str(path), "expected a readable plan file", str(error))]) from error
-    compilation = compile_task(encoded_task(settle_goal(task))[0])
     actions = [action for line in text.splitlines() for action in _parse_line(line)]
-    wanted = f"expected a plan of the task {task.name}"
-    if not compilation.reaches_goal(actions):
-        came = "actions that cannot be applied in this order or do not achieve the goal"
-        raise InputError([Issue(str(path), wanted, came)])
-    try:
-        plan = schedule_actions(compilation, actions)
-    except NotAPlanError as error:
-        raise InputError([Issue(str(path), wanted, str(error))]) from error
-    plan = Situation(task).original_plan(plan)
-    breaches = check_law(task, plan)
-    if breaches:
-        raise InputError([Issue(str(path), wanted, breach.text) for breach in breaches])
-    return plan
+    return ExportedTask.of(task).read_plan(actions, str(path))
 
 
 def _parse_line(line: str) -> list[PlannedAction]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.state import State
+from hybrid_tamp.model.table_columns import TIME, column_names
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotation_vector
@@ -26,7 +27,6 @@ from hybrid_tamp.taskfile.yaml.nodes import read_text
 
 LONGEST = 600.0
 """Longest demonstration [s]."""
-_COLUMNS_OF = {"position": ("x", "y", "z"), "orientation": ("qx", "qy", "qz", "qw")}
 _RATE_OF = {"position": "velocity", "orientation": "angular_velocity"}
 _NAME = re.compile(r"^(.*?)\s*(\[[^]]*\])?$")
 _SPANS = (0.03, 0.15)
@@ -71,7 +71,7 @@ def read_poses(path: Path | str, task: Task) -> tuple[FloatArray, State, State]:
 def _columns(header: list[Cell], task: Task, faults: Faults) -> Columns:
     """Return the columns of the tokens' properties and record the faults of the first line."""
     names = [str(_NAME.sub(r"\1", cell.text)) for cell in header]
-    if not names or names[0].casefold() != "time":
+    if not names or names[0].casefold() != TIME:
         came = shown(names[0]) if names else "an empty file"
         faults.add(Mark(), "the first line must name the columns time, token.x, token.y, token.z etc.", came)
         return {}
@@ -93,10 +93,8 @@ def _available(task: Task) -> dict[str, tuple[str, str]]:
     found: dict[str, tuple[str, str]] = {}
     for token in task.assigned:
         for varying in token.varying:
-            if varying.name in _RATE_OF.values():
-                continue
-            names = _COLUMNS_OF.get(varying.name, (varying.name,) if varying.size == 1 else ())
-            found |= {f"{token.name}.{part}": (token.name, varying.name) for part in names}
+            names = column_names(token.name, varying.name, varying.size)
+            found |= dict.fromkeys(names, (token.name, varying.name))
     return found
 
 
@@ -107,13 +105,12 @@ def _complete(
     for name, index in found.items():
         if name not in wanted or wanted[name] in columns:
             continue
-        token, varying = wanted[name]
-        names = [f"{token}.{part}" for part in _COLUMNS_OF.get(varying, (varying,))]
+        names = [column for column, owner in wanted.items() if owner == wanted[name]]
         missing = [part for part in names if part not in found]
         if missing:
             wanted_together = f"the columns {', '.join(names)} must occur together"
             faults.add(header[index].mark, wanted_together, f"no {', '.join(missing)}")
-        columns[token, varying] = [found.get(part, 0) for part in names]
+        columns[wanted[name]] = [found.get(part, 0) for part in names]
     return columns
 
 

@@ -9,7 +9,7 @@ from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.recording import demonstrated_movements
 from hybrid_tamp.motion.demonstration import ShownMovement, learnt
-from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.folder import write_new_file
 from hybrid_tamp.taskfile.demonstrations import read_demonstration
 from hybrid_tamp.taskfile.domains import available_domains, find_domain
 from hybrid_tamp.taskfile.primitives import PrimitiveFile
@@ -83,11 +83,7 @@ def save_primitive(primitive: PrimitiveFile, path: Path, *, force: bool = False)
     Raises:
         InputError: the file exists and `force` is false, or the file cannot be written.
     """
-    if path.is_dir() or (path.exists() and not force):
-        came = "a folder" if path.is_dir() else "an existing file"
-        wanted = "the file for the primitive must not exist yet"
-        raise InputError([Issue(str(path), wanted, came, remedy="force=True replaces the existing file")])
-    RunFolder(path.parent).write_text(path.name, primitive.text)
+    write_new_file(path, primitive.text, "the primitive", force=force)
 
 
 def _find_blocks(name: str, domain: Domain | str | None) -> tuple[list[Block], Movement]:

@@ -70,6 +70,7 @@ LIBRARIES = {
     "fcl": ("collision",),
     "ompl": ("paths",),
     "joblib": ("workers",),
+    "gymnasium": ("interop",),
 }
 """Maps each library to the packages that may import it."""
 

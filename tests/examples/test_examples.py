@@ -26,7 +26,7 @@ def example(name: str) -> ModuleType:
 
 
 def test_every_example_is_tested() -> None:
-    tested = {"domain", "external_planner", "reading_a_recording", "task_in_python"}
+    tested = {"domain", "environment", "external_planner", "planning_engines", "reading_a_recording", "task_in_python"}
     assert {path.stem for path in EXAMPLES.glob("*.py")} - {"__init__"} == tested
 
 
@@ -82,6 +82,21 @@ def test_another_planner(tmp_path: Path) -> None:
             hybrid_tamp.read_plan(task, tmp_path / "wrong.plan")
     with pytest.raises(hybrid_tamp.InputError, match="expected a readable plan file"):
         hybrid_tamp.read_plan(task, tmp_path / "none.plan")
+
+
+def test_planning_engines(capsys: pytest.CaptureFixture[str]) -> None:
+    plans = example("planning_engines").main()
+    task = hybrid_tamp.load_task("hammer_strike")
+    assert list(plans) == ["fast-downward", "pyperplan"]
+    assert all(check_law(task, plan) == [] for plan in plans.values())
+    assert "pyperplan: 15 actions" in capsys.readouterr().out
+
+
+def test_an_environment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    total = example("environment").main(tmp_path / "run")
+    assert 60 < total < 80
+    assert capsys.readouterr().out.startswith("reached the goal at ")
+    assert (tmp_path / "run" / "last.png").stat().st_size > 1000
 
 
 def test_results_print_as_tables(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ class UnifiedProblem:
     objects: Mapping[str, Any]
 
     def read_plan(self, plan: Any) -> tuple[PlannedAction, ...]:
-        """Convert a plan of unified_planning to actions with our names.
+        """Convert a plan of unified_planning to actions with our names. Unknown names stay, and `fault` reports them.
 
         Raises:
             unified_planning.exceptions.UPException: If the plan cannot be converted to a sequential plan.
@@ -40,8 +40,11 @@ class UnifiedProblem:
             plan = plan.convert_to(PlanKind.SEQUENTIAL_PLAN, self.problem)
         operators = {action.name: own for own, action in self.actions.items()}
         objects = {thing.name: own for own, thing in self.objects.items()}
-        steps = ((operators[each.action.name], each.actual_parameters) for each in plan.actions)
-        return tuple(PlannedAction(name, tuple(objects[v.object().name] for v in values)) for name, values in steps)
+        steps = ((each.action.name, map(str, each.actual_parameters)) for each in plan.actions)
+        return tuple(
+            PlannedAction(operators.get(name, name), tuple(objects.get(value, value) for value in values))
+            for name, values in steps
+        )
 
     def fault(self, actions: Sequence[PlannedAction]) -> str:
         """Return why the validator of unified_planning rejects a plan, or an empty string if the plan is valid."""
