@@ -1,6 +1,7 @@
-"""Captions for pictures of a run: the step, the time and the tokens in each block (as in the paper's Fig. 3)."""
+"""The text around pictures of a run: classes, step, time and the tokens in each block (as in the paper's Fig. 3)."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,8 @@ from PIL import Image, ImageDraw, ImageFont
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, Step
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.physics.pictures.appearance import Colour, legend
+from hybrid_tamp.report.tables import roles_text
 
 Picture = NDArray[np.uint8]
 """Image array of shape ``(height, width, 3)`` with the channels red, green and blue."""
@@ -16,94 +19,175 @@ Picture = NDArray[np.uint8]
 _BACKGROUND = (255, 255, 255)
 _RULE = (205, 210, 216)
 _INK = (28, 33, 40)
-_PALE = (120, 128, 138)
+_PALE = (112, 120, 130)
 _GOOD, _BAD = (26, 127, 55), (190, 40, 35)
-_MARGIN = 14
-_HEADLINE = 18
-_BODY = 15
-_LINE = 22
+_LETTERS = 58
+_SMALLEST = 9
 _VERDICT_TIME = 0.5
+_MOST = 0.45
+"""Largest share of the height that the text may take."""
 
 
 def allocation(instance: BlockInstance) -> str:
-    """Return the slots and tokens of an instance as text, e.g. ``ROLLING-1: hand=hand object=drum -> goal``."""
-    slots = " ".join(f"{slot}={token}" for slot, token in instance.slots.items())
-    targets = ", ".join(instance.targets.values())
-    return f"{instance.name}: {slots}" + (f" -> {targets}" if targets else "")
+    """Return the tokens in the roles of a block, e.g. ``ROLLING: hand=hand, object=drum -> region=goal``."""
+    mode = f" ({instance.mode})" if instance.mode else ""
+    targets = f" -> {roles_text(instance.targets)}" if instance.targets else ""
+    return f"{instance.action}{mode}: {roles_text(instance.slots)}{targets}"
 
 
 @dataclass(frozen=True)
 class _Line:
+    """A line of text, or a coloured sample of a class if `chip` is given."""
+
     text: str
-    colour: tuple[int, int, int]
+    ink: tuple[int, int, int] = _INK
+    chip: Colour | None = field(default=None)
 
 
 class Captions:
-    """Writer of captions for the pictures of one recording. All pictures get the same height.
+    """Writer of the text around the pictures of one recording. All pictures get the same size.
 
     Args:
         task: the task of the run.
         recording: the recording of the run.
-        width: width of the pictures in pixels.
+        width: width of a picture with its text [pixels].
+        height: height of a picture with its text [pixels].
     """
 
-    def __init__(self, task: Task, recording: Recording, width: int) -> None:
+    def __init__(self, task: Task, recording: Recording, width: int, height: int) -> None:
         self._recording = recording
         self._resting = task.domain.resting
-        # Video codecs halve the resolution of colours, so the width and height must be even.
-        self._width = width + width % 2
-        self._headline = ImageFont.load_default(_HEADLINE)
-        self._body = ImageFont.load_default(_BODY)
+        self._size = (width, height)
+        self.letters = max(width // _LETTERS, _SMALLEST)
+        """Height of the letters [pixels]."""
+        self._font = ImageFont.load_default(self.letters)
+        self._line, self._margin = round(1.36 * self.letters), self.letters // 2
         self.steps = tuple(recording.plan.steps)
-        self._lines = [self._wrapped(step) for step in self.steps] or [[]]
-        self._height = 2 * _MARGIN + _LINE + _LINE * max(map(len, self._lines))
+        room = max(int(_MOST * height - 4 * self._margin) // self._line - 1, 1)
+        self._header = self._fill_header(legend(task))[:room]
+        texts = [list(self._texts(step)) for step in self.steps] or [[]]
+        self._columns = 2 if all(self._narrow(text) for lines in texts for text in lines) else 1
+        fitted = [self._shorten(self._wrap(lines), room - len(self._header) + 1) for lines in texts]
+        self._captions = fitted
+        rows = max(-(-len(lines) // self._columns) for lines in fitted)
+        self._top = 2 * self._margin + self._line * len(self._header)
+        self._bottom = 2 * self._margin + self._line * rows if rows else 0
 
-    def under(self, picture: Picture, time: float) -> Picture:
-        """Add the caption for a time [s] below a picture of shape ``(h, w, 3)``, and return the result."""
-        height = picture.shape[0] + self._height
-        canvas = Image.new("RGB", (self._width, height + height % 2), _BACKGROUND)
-        canvas.paste(Image.fromarray(picture), (0, 0))
+    @property
+    def scene(self) -> tuple[int, int]:
+        """Width and height of the picture of the scene, without the text [pixels]."""
+        return self._size[0], self._size[1] - self._top - self._bottom
+
+    def around(self, picture: Picture | Image.Image, time: float) -> Picture:
+        """Return a picture of the scene with the text for a time [s] above and below it.
+
+        Args:
+            picture: picture of the scene, with the size `scene`.
+            time: instant of the text [s].
+        """
+        canvas = Image.new("RGB", self._size, _BACKGROUND)
+        scene = picture if isinstance(picture, Image.Image) else Image.fromarray(picture)
+        canvas.paste(scene, (0, self._top))
         draw = ImageDraw.Draw(canvas)
-        top = picture.shape[0]
-        draw.line([(0, top), (self._width, top)], fill=_RULE)
+        width, height = self._size
+        for row, lines in enumerate(self._header):
+            self._write_legend(draw, self._margin + row * self._line, lines)
         index = self.index_at(time)
-        top += _MARGIN
-        draw.text((_MARGIN, top), f"step {index + 1} of {len(self._lines)}", _INK, self._headline)
-        draw.text((self._width - _MARGIN, top), f"t = {time:.2f} s", _INK, self._headline, anchor="ra")
-        verdict = self._verdict(time)
-        if verdict is not None:
-            draw.text((self._width / 2, top), verdict.text, verdict.colour, self._headline, anchor="ma")
-        for row, line in enumerate(self._lines[index], start=1):
-            draw.text((_MARGIN, top + row * _LINE + 4), line.text, line.colour, self._body)
-        return np.asarray(canvas)
+        draw.text((width - self._margin, self._margin), self._now(index, time), _INK, self._font, anchor="ra")
+        for edge in (self._top - 1, height - self._bottom):
+            draw.line([(0, edge), (width, edge)], fill=_RULE)
+        for place, line in enumerate(self._captions[index]):
+            column, row = place % self._columns, place // self._columns
+            x = self._margin + column * width / 2
+            draw.text((x, height - self._bottom + self._margin + row * self._line), line.text, line.ink, self._font)
+        self._write_verdict(draw, time)
+        return np.array(canvas)
 
     def index_at(self, time: float) -> int:
         """Return the index (from 0) of the step at a time [s]. At a reassignment, return the later step's index."""
         return max(0, sum(step.start <= time + TIME_TOLERANCE for step in self.steps) - 1)
 
-    def _verdict(self, time: float) -> _Line | None:
-        if time < self._recording.duration - _VERDICT_TIME:
-            return None
-        if self._recording.failure is not None:
-            return _Line("stopped", _BAD)
-        return _Line("goal reached", _GOOD) if self._recording.success else _Line("goal missed", _BAD)
+    def _now(self, index: int, time: float) -> str:
+        return f"step {index + 1} of {len(self._captions)}    t = {time:5.2f} s"
 
-    def _wrapped(self, step: Step) -> list[_Line]:
-        """Return the lines of a step: a paragraph per busy instance and a pale paragraph for all resting tokens."""
+    def _write_verdict(self, draw: ImageDraw.ImageDraw, time: float) -> None:
+        """Write the verdict in the upper right corner of the scene during the last half second."""
+        if time < self._recording.duration - _VERDICT_TIME:
+            return
+        text, colour = "goal missed", _BAD
+        if self._recording.failure is not None:
+            text = "stopped"
+        elif self._recording.success:
+            text, colour = "goal reached", _GOOD
+        right, top = self._size[0] - self._margin, self._top + self._margin
+        left = right - self._font.getlength(text) - 2 * self._margin
+        draw.rounded_rectangle((left, top, right, top + self._line + self._margin), self._margin, fill=colour)
+        middle = ((left + right) / 2, top + (self._line + self._margin) / 2)
+        draw.text(middle, text, _BACKGROUND, self._font, anchor="mm")
+
+    def _fill_header(self, classes: tuple[tuple[str, Colour], ...]) -> list[list[_Line]]:
+        """Return the rows of the legend. The first row leaves room for step and time."""
+        rows: list[list[_Line]] = [[]]
+        room = self._size[0] - self._font.getlength(self._now_at_most) - 3 * self._margin
+        left = room
+        for text, colour in classes:
+            short = self._cut(text, room - 2 * self.letters)
+            need = self._font.getlength(short) + 2.4 * self.letters
+            if rows[-1] and need > left:
+                rows.append([])
+                left = self._size[0] - 2 * self._margin
+            rows[-1].append(_Line(short, chip=colour))
+            left -= need
+        return rows
+
+    @property
+    def _now_at_most(self) -> str:
+        count = len(self.steps)
+        return f"step {count} of {count}    t = {max(self._recording.duration, 10):5.2f} s"
+
+    def _write_legend(self, draw: ImageDraw.ImageDraw, top: float, lines: list[_Line]) -> None:
+        x, size = float(self._margin), round(0.8 * self.letters)
+        for line in lines:
+            red, green, blue = (round(255 * channel) for channel in line.chip or (0, 0, 0))
+            above = top + (self._line - size) / 2
+            draw.rounded_rectangle((x, above, x + size, above + size), size // 4, fill=(red, green, blue))
+            draw.text((x + 1.2 * self.letters, top), line.text, _PALE, self._font)
+            x += self._font.getlength(line.text) + 2.4 * self.letters
+
+    def _texts(self, step: Step) -> Iterator[_Line]:
+        """Yield a text per busy instance of a step, and a pale text with all resting tokens."""
         busy = sorted((i for i in step.instances if i.block != self._resting), key=lambda i: (i.start, i.name))
-        lines = [_Line(text, _INK) for instance in busy for text in self._fitted(allocation(instance))]
+        yield from (_Line(allocation(instance)) for instance in busy)
         resting = sorted(t for i in step.instances if i.block == self._resting for t in i.slots.values())
         if resting:
-            lines += [_Line(text, _PALE) for text in self._fitted(f"{self._resting}: {', '.join(resting)}")]
-        return lines
+            yield _Line(f"{self._resting}: {', '.join(resting)}", _PALE)
 
-    def _fitted(self, text: str) -> list[str]:
-        """Break a text into lines that fit the picture. Break only words that are wider than a line."""
-        room = self._width - 2 * _MARGIN
+    def _narrow(self, line: _Line) -> bool:
+        return bool(self._font.getlength(line.text) <= self._size[0] / 2 - 2 * self._margin)
+
+    def _wrap(self, lines: list[_Line]) -> list[_Line]:
+        """Break texts into lines that fit the picture. Break only words that are wider than a line."""
+        room = self._size[0] / self._columns - 2 * self._margin
+        return [_Line(text, line.ink) for line in lines for text in self._fit(line.text, room)]
+
+    def _shorten(self, lines: list[_Line], rows: int) -> list[_Line]:
+        """Replace the last lines by dots if there is no room for all lines."""
+        most = max(rows, 1) * self._columns
+        return lines if len(lines) <= most else [*lines[: most - 1], _Line("...", _PALE)]
+
+    def _cut(self, text: str, room: float) -> str:
+        """Return the text, shortened with dots if it is wider than the room [pixels]."""
+        if self._font.getlength(text) <= room:
+            return text
+        while text and self._font.getlength(f"{text}...") > room:
+            text = text[:-1]
+        return f"{text}..."
+
+    def _fit(self, text: str, room: float) -> list[str]:
         lines = [""]
         for word in text.split(" "):
             longer = f"{lines[-1]} {word}" if lines[-1] else word
-            if self._body.getlength(longer) <= room:
+            if self._font.getlength(longer) <= room:
                 lines[-1] = longer
                 continue
             lines = [*(lines if lines[-1] else lines[:-1]), *self._pieces(word, room)]
@@ -112,7 +196,7 @@ class Captions:
     def _pieces(self, word: str, room: float) -> list[str]:
         pieces = [""]
         for letter in word:
-            if self._body.getlength(pieces[-1] + letter) > room:
+            if self._font.getlength(pieces[-1] + letter) > room:
                 pieces.append("")
             pieces[-1] += letter
         return pieces

@@ -1,16 +1,20 @@
 """A camera that shows all tokens during a whole run."""
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.geometry.meshes import Hull
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, solids_of
+from hybrid_tamp.geometry.triangles import placed_solid
 from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import rotate
 
 FIELD_OF_VIEW = np.radians(32.0)
 """Vertical angle of view [rad]."""
@@ -22,6 +26,8 @@ SPARE = 1.08
 """Factor by which the camera's distance is increased, so that the picture has a margin around the spheres."""
 _DISC = 0.05
 _ROWS = 200
+_STILL = 1e-3
+_LEVEL = 1e-2
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -58,12 +64,45 @@ class Spheres:
 
 
 def spheres_of(task: Task, recording: Recording) -> Spheres:
-    """Return the bounding spheres of all tokens at up to 200 instants of the run."""
+    """Return points that a picture of the run must show: the corners of boxes around tokens at up to 200 instants.
+
+    Tokens that take no part in the run are left out, so that a distant object does not make the action small.
+    """
     rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
+    run = State(recording.layout, recording.states[rows])
+    names = find_actors(task, recording)
+    seen = [token for token in task.tokens if token.name in names or not names]
+    corners = np.concatenate([_corners(token, run).reshape(-1, 3) for token in seen])
+    return Spheres(corners, np.zeros(len(corners)))
+
+
+def find_actors(task: Task, recording: Recording) -> frozenset[str]:
+    """Return the names of all tokens that move, that blocks other than resting contain, or that the goal names."""
     run = recording.trajectory
-    centres = [run[token, "position"][rows] for token in task.tokens]
-    radii = [np.full(len(rows), bounding_radius(token)) for token in task.tokens]
-    return Spheres(np.concatenate(centres), np.concatenate(radii))
+    poses = [("position", _STILL), ("orientation", _LEVEL)]
+    moved = {
+        token.name
+        for token in task.tokens
+        for name, least in poses
+        if (token.name, name) in run.layout.slices and np.ptp(run[token, name], axis=0).max() > least
+    }
+    busy = [each for each in recording.instances if each.block != task.domain.resting]
+    named = {name for each in busy for name in each.roles.values()}
+    named |= {str(name) for atom in task.goal for name in atom.arguments}
+    return frozenset((moved | named) & set(task.token_by_name))
+
+
+def _corners(token: Token, run: State) -> FloatArray:
+    """Return the corners of the token's bounding box in each state of a batch, shape ``(t, n, 3)`` [m]."""
+    signs = np.array(list(product((-1, 1), repeat=3)), dtype=float)
+    position = run[token, "position"][:, None]
+    if token.shape is None:
+        return position * [1.0, 1.0, 0.0] + disc_radius(token) * signs * [1.0, 1.0, 0.0]
+    placed = [placed_solid(each).vertices for each in solids_of(token.shape)]
+    vertices = np.concatenate(placed)
+    lower, upper = vertices.min(axis=0), vertices.max(axis=0)
+    box = (lower + upper) / 2 + signs * (upper - lower) / 2
+    return position + rotate(run[token, "orientation"][:, None], box)
 
 
 def bounding_radius(token: Token) -> float:
