@@ -10,11 +10,12 @@ from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.pictures.appearance import choose_colours
-from hybrid_tamp.physics.pictures.camera import find_actors
+from hybrid_tamp.physics.pictures.appearance import choose_colours, legend
+from hybrid_tamp.physics.pictures.camera import find_actors, frame_camera, spheres_of
 from hybrid_tamp.physics.pictures.view import Rectangle
-from hybrid_tamp.report.caption import Captions, Picture
+from hybrid_tamp.report.caption import Captions
 from hybrid_tamp.report.labels import Labels
+from hybrid_tamp.report.layout import Layout, Panel, Picture, Strips
 
 SIZE = (1280, 720)
 """Default width and height of frames [pixels]."""
@@ -22,7 +23,7 @@ SMALLEST, LARGEST = (320, 240), (7680, 4320)
 
 
 class Scene(Protocol):
-    """A renderer that draws the scene without text, in the size `Captions.scene`."""
+    """A renderer that draws the scene without text, in the size `Layout.scene`."""
 
     def picture(self, state: State) -> Picture:
         """Return the picture of a state ``(n,)``, of shape ``(height, width, 3)``."""
@@ -39,13 +40,13 @@ class Frames:
     Args:
         task: the task of the run.
         recording: the recording of the run.
-        captions: the text around the pictures.
+        layout: places of the scene and of the text.
         scene: renderer of the scene.
     """
 
-    def __init__(self, task: Task, recording: Recording, captions: Captions, scene: Scene) -> None:
+    def __init__(self, task: Task, recording: Recording, layout: Layout, scene: Scene) -> None:
         self.recording = recording
-        self._captions = captions
+        self._layout = layout
         self._scene = scene
         actors = find_actors(task, recording) or frozenset(task.token_by_name)
         self._colours = {name: colour for name, colour in choose_colours(task).items() if name in actors}
@@ -57,13 +58,26 @@ class Frames:
             LimitReached: the deadline passes.
         """
         # New labels for each file, so that a file does not depend on the files that were written before.
-        labels = Labels(self._colours, self._captions.letters)
+        labels = Labels(self._colours, self._layout.letters)
         for time, captioned in instants:
             deadline.check()
             state = self.recording.at(time)
             picture = Image.fromarray(self._scene.picture(state))
             labels.draw(picture, self._scene.bounds(state))
-            yield self._captions.around(picture, captioned)
+            yield self._layout.frame(picture, captioned)
+
+
+def choose_layout(task: Task, recording: Recording, size: tuple[int, int]) -> Layout:
+    """Return the layout for frames of a size [pixels] in which the bodies are larger."""
+    captions = Captions(recording, task.domain.resting)
+    seen = spheres_of(task, recording)
+
+    def enlargement(layout: Layout) -> float:
+        width, height = layout.scene
+        return height / frame_camera(seen, width / height).distance
+
+    layouts = [kind(captions, legend(task), size) for kind in (Strips, Panel)]
+    return max(layouts, key=enlargement)
 
 
 def check_size(size: tuple[int, int]) -> None:

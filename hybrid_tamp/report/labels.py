@@ -1,12 +1,13 @@
 """Labels with the names of tokens beside their bodies in a picture. Labels never overlap each other."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from hybrid_tamp.physics.pictures.appearance import Colour
 from hybrid_tamp.physics.pictures.view import Rectangle, overlap
+from hybrid_tamp.report.lettering import Letters
 
 _SIDES = ((0, -1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (1, 1), (-1, 1))
 """Directions from a body to its label, to the right and downward. Earlier directions are preferred."""
@@ -23,14 +24,14 @@ class Labels:
 
     Args:
         colours: maps each token that gets a label to its colour.
-        size: height of the letters [pixels].
+        letters: letters of the labels.
     """
 
-    def __init__(self, colours: Mapping[str, Colour], size: int) -> None:
+    def __init__(self, colours: Mapping[str, Colour], letters: Letters) -> None:
         self._colours = colours
-        self._font = ImageFont.load_default(size)
-        self._gap = max(size // 3, 2)
-        self._height = size + 2 * self._gap
+        self._letters = letters
+        self._gap = max(letters.size // 3, 2)
+        self._height = letters.size + 2 * self._gap
         self._before: dict[str, int] = {}
 
     def draw(self, picture: Image.Image, bodies: Mapping[str, Rectangle]) -> None:
@@ -47,7 +48,7 @@ class Labels:
             corners = (place[0], place[1], place[2] - 1, place[3] - 1)
             draw.rounded_rectangle(corners, self._gap, fill=_PAPER, outline=(red, green, blue), width=self._gap // 4 + 1)
             middle = ((place[0] + place[2]) / 2, (place[1] + place[3]) / 2)
-            draw.text(middle, name, _INK, self._font, anchor="mm")
+            draw.text(middle, name, _INK, self._letters.font, anchor="mm")
 
     def place(self, bodies: Mapping[str, Rectangle], size: tuple[int, int]) -> dict[str, Rectangle]:
         """Return the place of each label. Tokens outside the picture, and labels without a free place, are left out.
@@ -61,7 +62,7 @@ class Labels:
             body = bodies.get(name)
             if body is None or body[0] >= body[2] or body[1] >= body[3]:
                 continue
-            width = int(self._font.getlength(name)) + 3 * self._gap
+            width = int(self._letters.width(name)) + 3 * self._gap
             best = None
             for index, place in enumerate(_places(body, (width, self._height), self._gap, size)):
                 if any(overlap(place, other) for other in placed.values()):
@@ -107,7 +108,7 @@ def _inside(left: float, top: float, label: tuple[int, int], size: tuple[int, in
     return x, y, x + label[0], y + label[1]
 
 
-def _cost(index: int, place: Rectangle, body: Rectangle, bodies: Sequence[Rectangle]) -> float:
+def _cost(index: int, place: Rectangle, body: Rectangle, bodies: Iterable[Rectangle]) -> float:
     ring, side = divmod(index, len(_SIDES))
     covered = sum(_area(_common(place, other)) for other in bodies) / _area(place)
     if ring < _RINGS:

@@ -14,8 +14,8 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.report.caption import Picture
 from hybrid_tamp.report.frames import Frames
+from hybrid_tamp.report.layout import Picture
 
 Progress = Callable[[int, int], None]
 """Function that is called with the number of finished frames and the total number of frames."""

@@ -10,9 +10,8 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.report import gif as gifs
-from hybrid_tamp.report.caption import Captions
 from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.report.frames import SIZE, Frames, check_size
+from hybrid_tamp.report.frames import SIZE, Frames, check_size, choose_layout
 from hybrid_tamp.report.video import Progress, check_film, step_pictures, write_video
 
 
@@ -62,6 +61,6 @@ def draw_run(
 
 @contextmanager
 def _open_frames(task: Task, recording: Recording, size: tuple[int, int]) -> Iterator[Frames]:
-    captions = Captions(task, recording, *size)
-    with open_renderer(task, recording, *captions.scene) as renderer:
-        yield Frames(task, recording, captions, renderer)
+    layout = choose_layout(task, recording, size)
+    with open_renderer(task, recording, *layout.scene) as renderer:
+        yield Frames(task, recording, layout, renderer)

@@ -71,8 +71,8 @@ def legend(task: Task) -> tuple[tuple[str, Colour], ...]:
     found: dict[tuple[int, str], tuple[str, Colour]] = {}
     colours, goals = choose_colours(task), goal_tokens(task)
     for token in task.tokens:
-        text = class_text(token)
-        found.setdefault((id(_scale_of(token, goals)), text), (text, colours[token.name]))
+        text, goal = class_text(token), token.place and token.name in goals
+        found.setdefault((id(_scale_of(token, goals)), text), (f"{text} (goal)" if goal else text, colours[token.name]))
     return tuple(found.values())
 
 

@@ -18,11 +18,11 @@ from hybrid_tamp.motion.poses import rotate
 
 FIELD_OF_VIEW = np.radians(32.0)
 """Vertical angle of view [rad]."""
-ELEVATION = np.radians(30.0)
+ELEVATION = np.radians(26.0)
 """Angle of the camera above the horizontal [rad]."""
-TURN = np.radians(18.0)
+TURN = np.radians(13.0)
 """Horizontal angle between the view and the normal of the motion [rad]. The angle gives the picture depth."""
-SPARE = 1.08
+SPARE = 1.06
 """Factor by which the camera's distance is increased, so that the picture has a margin around the spheres."""
 _DISC = 0.05
 _ROWS = 200

@@ -12,7 +12,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.physics.pictures.appearance import Colour
 from hybrid_tamp.physics.pictures.view import View
 
-LIGHT = np.array([-0.5, 0.4, 1.0])
+LIGHT = np.array([-0.5, 0.55, 1.0])
 """Direction to the light: to the right and backward of the camera, both level, and upward."""
 
 _TILES = np.array([(0.962, 0.966, 0.972), (0.92, 0.927, 0.937)])
@@ -23,8 +23,9 @@ _FADES = (0.75, 2.2)
 _SAMPLES = 2
 _STRIP = 64
 _RIM, _FILL = 0.12, 0.5
-_LINE, _CIRCLE, _ARM = 0.0024, 0.028, 0.022
-"""Width of lines, distance of the circle from the disc and length of arms, as shares of the camera's distance."""
+_LINE, _ARM = 0.0026, 0.02
+"""Width of lines, and length of the arms outside the circle, as shares of the camera's distance."""
+_DASHES = 24
 _SHADOW = (38, 46, 66)
 _DARKNESS = 0.42
 _SOFTNESS = 0.004
@@ -38,13 +39,14 @@ class Region:
         token: name of the token that the disc shows.
         radius: radius of the disc [m].
         colour: colour of the rim. The inside is paler.
-        goal: whether the goal names the token. A cross then marks the disc, also if an object hides the disc.
+        reach: radius of a circle and a cross around the disc [m], or zero. They mark a region in the goal, and are
+            larger than the objects that the goal requires in the region, so that no object hides them.
     """
 
     token: str
     radius: float
     colour: Colour
-    goal: bool
+    reach: float = 0.0
 
 
 def light_direction(view: View) -> FloatArray:
@@ -98,12 +100,13 @@ def _region_masks(
     rim = max(_RIM * region.radius, _LINE * scale)
     inside = distance < region.radius
     lines = inside & (distance > region.radius - rim)
-    if region.goal:
-        # The circle and the arms are outside the disc, so that an object on the disc does not hide them.
-        circle = region.radius + _CIRCLE * scale
-        lines |= np.abs(distance - circle) < _LINE / 2 * scale
-        arms = np.abs(offset).min(axis=-1) < _LINE / 2 * scale
-        lines |= arms & (distance > region.radius) & (distance < circle + _ARM * scale)
+    if region.reach > 0:
+        width = _LINE / 2 * scale
+        # A broken circle looks different from the rim of a large region.
+        angle = np.arctan2(offset[..., 1], offset[..., 0]) * _DASHES / (2 * np.pi)
+        lines |= (np.abs(distance - region.reach) < width) & (angle - np.floor(angle) < 0.6)
+        arms = np.abs(offset).min(axis=-1) < width
+        lines |= arms & (distance > region.radius) & (distance < region.reach + _ARM * scale)
     return inside, lines
 
 

@@ -1,6 +1,6 @@
 """Rendering of recordings. The drawing library is imported when a renderer is first opened."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -12,8 +12,8 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
-from hybrid_tamp.physics.pictures.appearance import ColouredMesh, choose_colours, draw_tokens, goal_tokens
-from hybrid_tamp.physics.pictures.camera import disc_radius, frame_camera, spheres_of
+from hybrid_tamp.physics.pictures.appearance import ColouredMesh, choose_colours, draw_tokens
+from hybrid_tamp.physics.pictures.camera import bounding_radius, disc_radius, frame_camera, spheres_of
 from hybrid_tamp.physics.pictures.floor import Region, draw_shadows, paint_floor
 from hybrid_tamp.physics.pictures.view import Rectangle, View, merge_rectangles, overlap
 from hybrid_tamp.physics.protocol import Resource, load
@@ -26,6 +26,8 @@ _SAMPLES = 2
 """Number of rows and columns that are drawn per pixel, so that edges look smooth."""
 _DECIMALS = 5
 """Poses are rounded to this number of decimals, so that a body that rests does not flicker."""
+_BEYOND = 1.2
+"""Ratio of the radius of a goal's circle to the radius of the largest object that the goal requires there."""
 
 
 class BodyRenderer(Resource, Protocol):
@@ -52,12 +54,7 @@ class Renderer(Resource):
         self.view = view
         meshes = draw_tokens(task)
         self._solids = {token.name: _solids_of(token.name, meshes) for token in task.tokens if token.shape is not None}
-        colours, goals = choose_colours(task), goal_tokens(task)
-        self._regions = [
-            Region(each.name, disc_radius(each), colours[each.name], each.name in goals)
-            for each in task.tokens
-            if each.shape is None
-        ]
+        self._regions = list(_regions_of(task))
         self._floor: tuple[bytes, Image.Image] | None = None
         self._drawn: dict[tuple[Rectangle, bytes], Image.Image] = {}
         self._bodies: BodyRenderer = load(_RENDERER)(meshes, view)
@@ -91,7 +88,7 @@ class Renderer(Resource):
             for name, solids in self._solids.items()
         }
         for region in self._regions:
-            reach = region.radius * np.array([[-1, -1, 0], [-1, 1, 0], [1, -1, 0], [1, 1, 0]])
+            reach = max(region.radius, region.reach) * np.array([[-1, -1, 0], [-1, 1, 0], [1, -1, 0], [1, 1, 0]])
             found[region.token] = self.view.bounds(_on_floor(state, region.token) + reach)
         return found
 
@@ -111,6 +108,17 @@ def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: 
         InputError: PyBullet is not installed.
     """
     return Renderer(task, View(frame_camera(spheres_of(task, recording), width / height), width, height))
+
+
+def _regions_of(task: Task) -> Iterator[Region]:
+    """Yield the regions of all tokens without a shape."""
+    colours = choose_colours(task)
+    for token in task.tokens:
+        if token.shape is None:
+            wanted = {name for atom in task.goal if token.name in atom.arguments for name in atom.arguments}
+            largest = max((bounding_radius(each) for each in task.tokens if each.name in wanted), default=0.0)
+            radius = disc_radius(token)
+            yield Region(token.name, radius, colours[token.name], _BEYOND * max(largest, radius) if wanted else 0.0)
 
 
 def _solids_of(token: str, meshes: Sequence[ColouredMesh]) -> list[FloatArray]:
