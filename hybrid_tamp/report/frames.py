@@ -11,7 +11,8 @@ from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.appearance import choose_colours, legend
-from hybrid_tamp.physics.pictures.camera import find_actors, frame_camera, spheres_of
+from hybrid_tamp.physics.pictures.camera import find_actors
+from hybrid_tamp.physics.pictures.sight import choose_camera
 from hybrid_tamp.physics.pictures.view import Rectangle
 from hybrid_tamp.report.caption import Captions
 from hybrid_tamp.report.labels import Labels
@@ -19,6 +20,7 @@ from hybrid_tamp.report.layout import Layout, Panel, Picture, Strips
 
 SIZE = (1280, 720)
 """Default width and height of frames [pixels]."""
+_MOST_LABELS = 20
 SMALLEST, LARGEST = (320, 240), (7680, 4320)
 
 
@@ -48,8 +50,10 @@ class Frames:
         self.recording = recording
         self._layout = layout
         self._scene = scene
-        actors = find_actors(task, recording) or frozenset(task.token_by_name)
-        self._colours = {name: colour for name, colour in choose_colours(task).items() if name in actors}
+        actors, colours = find_actors(task, recording), choose_colours(task)
+        # Labels of tokens that take part in the run are placed first.
+        labelled = sorted(colours, key=lambda name: name not in actors)[: max(_MOST_LABELS, len(actors))]
+        self._colours = {name: colours[name] for name in labelled}
 
     def draw(self, instants: Iterable[tuple[float, float]], deadline: Deadline = NEVER) -> Iterator[Picture]:
         """Yield a frame for each pair of (instant of the picture, instant of the caption) [s].
@@ -70,11 +74,10 @@ class Frames:
 def choose_layout(task: Task, recording: Recording, size: tuple[int, int]) -> Layout:
     """Return the layout for frames of a size [pixels] in which the bodies are larger."""
     captions = Captions(recording, task.domain.resting)
-    seen = spheres_of(task, recording)
 
     def enlargement(layout: Layout) -> float:
         width, height = layout.scene
-        return height / frame_camera(seen, width / height).distance
+        return height / choose_camera(task, recording, width / height).distance
 
     layouts = [kind(captions, legend(task), size) for kind in (Strips, Panel)]
     return max(layouts, key=enlargement)

@@ -98,11 +98,15 @@ def _corners(token: Token, run: State) -> FloatArray:
     position = run[token, "position"][:, None]
     if token.shape is None:
         return position * [1.0, 1.0, 0.0] + disc_radius(token) * signs * [1.0, 1.0, 0.0]
-    placed = [placed_solid(each).vertices for each in solids_of(token.shape)]
-    vertices = np.concatenate(placed)
+    middle, half = bounding_box(token)
+    return position + rotate(run[token, "orientation"][:, None], middle + signs * half)
+
+
+def bounding_box(token: Token) -> tuple[FloatArray, FloatArray]:
+    """Return the centre and the half extents of a token's bounding box in its body frame, each ``(3,)`` [m]."""
+    vertices = np.concatenate([placed_solid(each).vertices for each in solids_of(token.solid)])
     lower, upper = vertices.min(axis=0), vertices.max(axis=0)
-    box = (lower + upper) / 2 + signs * (upper - lower) / 2
-    return position + rotate(run[token, "orientation"][:, None], box)
+    return (lower + upper) / 2, (upper - lower) / 2
 
 
 def bounding_radius(token: Token) -> float:
@@ -128,7 +132,7 @@ def disc_radius(token: Token) -> float:
     return float(radius)
 
 
-def frame_camera(spheres: Spheres, aspect: float) -> Camera:
+def frame_camera(spheres: Spheres, aspect: float, turn: float = TURN, elevation: float = ELEVATION) -> Camera:
     """Return the nearest camera that shows all spheres. The longest extent of the spheres appears horizontal.
 
     Let (x, y, z) be the centre of a sphere relative to the target, along the axes right, up and backward. Let D be the
@@ -139,8 +143,10 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
     Args:
         spheres: spheres to show.
         aspect: ratio of the picture's width to its height.
+        turn: horizontal angle between the view and the normal of the motion [rad].
+        elevation: angle of the camera above the horizontal [rad].
     """
-    right, up, back = _axes(spheres.centres)
+    right, up, back = _axes(spheres.centres, turn, elevation)
     vertical = FIELD_OF_VIEW / 2
     horizontal = np.arctan(np.tan(vertical) * aspect)
     middle = np.mean(spheres.bounds, axis=0)
@@ -157,7 +163,7 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
     return Camera(target + back * max(distances) * SPARE, target)
 
 
-def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _axes(points: NDArray[np.float64], turn: float, elevation: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most along the first vector."""
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
@@ -165,8 +171,8 @@ def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArr
     # The sign is chosen so that the direction points to positive x, or to positive y if x is zero.
     if (along[0], along[1]) < (-along[0], -along[1]):
         along = -along
-    cos, sin = np.cos(TURN), np.sin(TURN)
+    cos, sin = np.cos(turn), np.sin(turn)
     right = np.array([cos * along[0] - sin * along[1], sin * along[0] + cos * along[1], 0.0])
     away = np.cross(_UP, right)
-    back = -np.cos(ELEVATION) * away + np.sin(ELEVATION) * _UP
+    back = -np.cos(elevation) * away + np.sin(elevation) * _UP
     return right, np.cross(back, right), back

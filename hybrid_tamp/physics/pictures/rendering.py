@@ -13,8 +13,9 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures.appearance import ColouredMesh, choose_colours, draw_tokens
-from hybrid_tamp.physics.pictures.camera import bounding_radius, disc_radius, frame_camera, spheres_of
+from hybrid_tamp.physics.pictures.camera import bounding_radius, disc_radius
 from hybrid_tamp.physics.pictures.floor import Region, draw_shadows, paint_floor
+from hybrid_tamp.physics.pictures.sight import choose_camera
 from hybrid_tamp.physics.pictures.view import Rectangle, View, merge_rectangles, overlap
 from hybrid_tamp.physics.protocol import Resource, load
 
@@ -107,7 +108,7 @@ def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: 
     Raises:
         InputError: PyBullet is not installed.
     """
-    return Renderer(task, View(frame_camera(spheres_of(task, recording), width / height), width, height))
+    return Renderer(task, View(choose_camera(task, recording, width / height), width, height))
 
 
 def _regions_of(task: Task) -> Iterator[Region]:
