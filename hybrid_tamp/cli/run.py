@@ -23,6 +23,12 @@ def run(
     objective: options.Objective = None,
     backend: options.Backend = "pybullet",
     video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")] = None,
+    gif: Annotated[
+        Path | None, typer.Option("--gif", metavar="FILE.gif", help="animated GIF of at most 3 MB to write")
+    ] = None,
+    size: Annotated[
+        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="size of the step pictures and the video [pixels]")
+    ] = "1280x720",
     force: options.Force = False,
     compare: Annotated[
         bool, typer.Option("--compare", help="also run the plan with default hyperparameters, and compare the values")
@@ -38,6 +44,7 @@ def run(
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:
+        from hybrid_tamp.report.frame_size import parse_size
         from hybrid_tamp.report.progress import progress_bar
         from hybrid_tamp.verbs.loading import Settings
         from hybrid_tamp.verbs.run import run as run_task
@@ -45,11 +52,13 @@ def run(
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         run_here = partial(run_task, task, output, settings, backend=backend, planner=process)
+        run_and_draw = partial(run_here, video=video, gif=gif, size=parse_size(size))
         with progress_bar() as tell:
-            result = run_here(video=video, force=force, compare=compare, progress=tell)
+            result = run_and_draw(force=force, compare=compare, progress=tell)
     _show(result, as_json)
     if not as_json:
-        typer.echo("\n".join([*([f"video: {video}"] if video else []), f"files: {output}"]))
+        written = {"video": video, "GIF": gif, "files": output}
+        typer.echo("\n".join(f"{kind}: {path}" for kind, path in written.items() if path))
     _judge(result, as_json)
 
 

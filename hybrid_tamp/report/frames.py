@@ -1,27 +1,23 @@
-"""Frames of a recording: the picture of the scene with labels and captions. Videos and step pictures consist of frames."""
+"""Frames of videos, GIFs and step pictures: the picture of the scene with labels and captions."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Protocol
 
 from PIL import Image
 
-from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.appearance import choose_colours, legend
-from hybrid_tamp.physics.pictures.camera import find_actors
-from hybrid_tamp.physics.pictures.sight import choose_camera
-from hybrid_tamp.physics.pictures.view import Rectangle
+from hybrid_tamp.physics.pictures.sight import choose_shot
+from hybrid_tamp.physics.pictures.subject import find_actors
+from hybrid_tamp.physics.pictures.view import Rectangle, View
 from hybrid_tamp.report.caption import Captions
 from hybrid_tamp.report.labels import Labels
 from hybrid_tamp.report.layout import Layout, Panel, Picture, Strips
 
-SIZE = (1280, 720)
-"""Default width and height of frames [pixels]."""
 _MOST_LABELS = 20
-SMALLEST, LARGEST = (320, 240), (7680, 4320)
 
 
 class Scene(Protocol):
@@ -71,24 +67,14 @@ class Frames:
             yield self._layout.frame(picture, captioned)
 
 
-def choose_layout(task: Task, recording: Recording, size: tuple[int, int]) -> Layout:
-    """Return the layout for frames of a size [pixels] in which the bodies are larger."""
+def choose_layout(task: Task, recording: Recording, size: tuple[int, int]) -> tuple[Layout, View]:
+    """Return the layout for frames of a size [pixels] in which the bodies are larger, and the view of the scene."""
     captions = Captions(recording, task.domain.resting)
-
-    def enlargement(layout: Layout) -> float:
+    found = []
+    for kind in (Strips, Panel):
+        layout = kind(captions, legend(task), size)
         width, height = layout.scene
-        return height / choose_camera(task, recording, width / height).distance
-
-    layouts = [kind(captions, legend(task), size) for kind in (Strips, Panel)]
-    return max(layouts, key=enlargement)
-
-
-def check_size(size: tuple[int, int]) -> None:
-    """Raise `InputError` if pictures cannot have this width and height [pixels]."""
-    width, height = size
-    small = any(one < least for one, least in zip(size, SMALLEST, strict=True))
-    large = any(one > most for one, most in zip(size, LARGEST, strict=True))
-    if small or large or width % 2 or height % 2:
-        least, most = (f"{one}x{other}" for one, other in (SMALLEST, LARGEST))
-        wanted = f"width and height of a picture must be even numbers from {least} to {most}"
-        raise InputError([Issue("size", wanted, f"{width}x{height}")])
+        shot = choose_shot(task, recording, width / height)
+        found.append((height * shot.quality, layout, View(shot.camera, width, height)))
+    _, layout, view = max(found, key=lambda each: each[0])
+    return layout, view

@@ -14,7 +14,7 @@ _SIDES = ((0, -1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (1, 1), (-1, 1))
 _RINGS = 4
 _GRID = 8
 _KEPT, _SIDE, _RING, _COVER, _ANYWHERE = 1.2, 0.12, 0.9, 4.0, 9.0
-"""Costs of a place: a bonus for the place in the picture before, and costs for the side, distance and covered bodies."""
+"""Costs of a place: its bonus if it is the place in the picture before, its side, its distance and covered bodies."""
 _INK = (28, 33, 40)
 _PAPER = (255, 255, 255, 225)
 
@@ -42,11 +42,12 @@ class Labels:
             bodies: maps each token to the part of the picture in which the token appears.
         """
         draw = ImageDraw.Draw(picture, "RGBA")
-        for name, place in self.place(bodies, picture.size).items():
-            red, green, blue = (round(150 * channel) for channel in self._colours[name])
-            self._connect(draw, place, bodies[name], (red, green, blue))
+        places = self.place(bodies, picture.size)
+        for name, place in places.items():
+            self._connect(draw, place, bodies[name], self._dark(name))
+        for name, place in places.items():
             corners = (place[0], place[1], place[2] - 1, place[3] - 1)
-            draw.rounded_rectangle(corners, self._gap, fill=_PAPER, outline=(red, green, blue), width=self._gap // 4 + 1)
+            draw.rounded_rectangle(corners, self._gap, fill=_PAPER, outline=self._dark(name), width=self._gap // 4 + 1)
             middle = ((place[0] + place[2]) / 2, (place[1] + place[3]) / 2)
             draw.text(middle, name, _INK, self._letters.font, anchor="mm")
 
@@ -73,6 +74,10 @@ class Labels:
             if best is not None:
                 self._before[name], placed[name] = best[1], best[2]
         return placed
+
+    def _dark(self, name: str) -> tuple[int, int, int]:
+        red, green, blue = (round(150 * channel) for channel in self._colours[name])
+        return red, green, blue
 
     def _connect(
         self, draw: ImageDraw.ImageDraw, place: Rectangle, body: Rectangle, colour: tuple[int, int, int]

@@ -8,10 +8,11 @@ from pathlib import Path
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.pictures.rendering import open_renderer
+from hybrid_tamp.physics.pictures.rendering import Renderer
 from hybrid_tamp.report import gif as gifs
 from hybrid_tamp.report.folder import RunFolder
-from hybrid_tamp.report.frames import SIZE, Frames, check_size, choose_layout
+from hybrid_tamp.report.frame_size import SIZE, check_size
+from hybrid_tamp.report.frames import Frames, choose_layout
 from hybrid_tamp.report.video import Progress, check_film, step_pictures, write_video
 
 
@@ -61,6 +62,6 @@ def draw_run(
 
 @contextmanager
 def _open_frames(task: Task, recording: Recording, size: tuple[int, int]) -> Iterator[Frames]:
-    layout = choose_layout(task, recording, size)
-    with open_renderer(task, recording, *layout.scene) as renderer:
+    layout, view = choose_layout(task, recording, size)
+    with Renderer(task, view) as renderer:
         yield Frames(task, recording, layout, renderer)

@@ -10,7 +10,6 @@ from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.outcome import PlanOutcome
-from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import open_backend
@@ -19,8 +18,8 @@ from hybrid_tamp.planning.replanning import FindPlan, Progress, plan_and_refine
 from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.documents import document
-from hybrid_tamp.report.frames import SIZE
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.frame_size import SIZE
 from hybrid_tamp.report.page import write_page
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner

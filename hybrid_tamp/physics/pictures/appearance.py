@@ -7,16 +7,20 @@ from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Solid, solids_of
 from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, placed_solid, solid
 from hybrid_tamp.model.affordance import TOKEN
-from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.physics.pictures.subject import goal_tokens
 
 Colour = tuple[float, float, float]
 """Components red, green and blue, each from 0 to 1."""
 
 HANDS: Sequence[Colour] = ((0.16, 0.40, 0.74), (0.45, 0.32, 0.70), (0.05, 0.52, 0.62))
-THINGS: Sequence[Colour] = ((0.93, 0.58, 0.16), (0.80, 0.28, 0.22), (0.78, 0.45, 0.66), (0.90, 0.78, 0.22), (0.55, 0.36, 0.24), (0.45, 0.52, 0.18))
+THINGS: Sequence[Colour] = (
+    *((0.93, 0.58, 0.16), (0.80, 0.28, 0.22), (0.78, 0.45, 0.66)),
+    *((0.90, 0.78, 0.22), (0.55, 0.36, 0.24), (0.45, 0.52, 0.18)),
+)
 GOALS: Sequence[Colour] = ((0.07, 0.60, 0.33),)
+FIXED_GOALS: Sequence[Colour] = ((0.44, 0.76, 0.56),)
 PLACES: Sequence[Colour] = ((0.52, 0.60, 0.68), (0.66, 0.60, 0.50))
 _SHADES = (0.0, 0.32, -0.28, 0.55, -0.5)
 _MARK = 0.35
@@ -40,12 +44,6 @@ class ColouredMesh:
     mesh: Mesh
     colour: Colour
     mark: bool = False
-
-
-def goal_tokens(task: Task) -> frozenset[str]:
-    """Return the names of the tokens that the goal names, or that the goal leaves to choose from."""
-    atoms = [each for atom in task.goal for each in (task.groundings(atom) if ANY in atom.arguments else (atom,))]
-    return frozenset(name for atom in atoms for name in atom.arguments if name in task.token_by_name)
 
 
 def choose_colours(task: Task) -> Mapping[str, Colour]:
@@ -92,7 +90,10 @@ def draw_tokens(task: Task) -> list[ColouredMesh]:
 
 def _scale_of(token: Token, goals: frozenset[str]) -> Sequence[Colour]:
     if token.place:
-        return GOALS if token.name in goals else PLACES
+        if token.name not in goals:
+            return PLACES
+        # A large body is paler than a disc, so that smaller objects remain conspicuous.
+        return GOALS if token.shape is None else FIXED_GOALS
     return HANDS if token.basic_actions else THINGS
 
 

@@ -1,20 +1,11 @@
-"""A camera that shows all tokens during a whole run."""
+"""A camera that shows given spheres."""
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, solids_of
-from hybrid_tamp.geometry.triangles import placed_solid
-from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import rotate
 
 FIELD_OF_VIEW = np.radians(32.0)
 """Vertical angle of view [rad]."""
@@ -24,10 +15,6 @@ TURN = np.radians(13.0)
 """Horizontal angle between the view and the normal of the motion [rad]. The angle gives the picture depth."""
 SPARE = 1.06
 """Factor by which the camera's distance is increased, so that the picture has a margin around the spheres."""
-_DISC = 0.05
-_ROWS = 200
-_STILL = 1e-3
-_LEVEL = 1e-2
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -61,75 +48,6 @@ class Spheres:
         """Lower and upper corner of the axis-aligned box around all spheres, each ``(3,)`` [m]."""
         reach = self.radii[:, None]
         return (self.centres - reach).min(axis=0), (self.centres + reach).max(axis=0)
-
-
-def spheres_of(task: Task, recording: Recording) -> Spheres:
-    """Return points that a picture of the run must show: the corners of boxes around tokens at up to 200 instants.
-
-    Tokens that take no part in the run are left out, so that a distant object does not make the action small.
-    """
-    rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
-    run = State(recording.layout, recording.states[rows])
-    names = find_actors(task, recording)
-    seen = [token for token in task.tokens if token.name in names or not names]
-    corners = np.concatenate([_corners(token, run).reshape(-1, 3) for token in seen])
-    return Spheres(corners, np.zeros(len(corners)))
-
-
-def find_actors(task: Task, recording: Recording) -> frozenset[str]:
-    """Return the names of all tokens that move, that blocks other than resting contain, or that the goal names."""
-    run = recording.trajectory
-    poses = [("position", _STILL), ("orientation", _LEVEL)]
-    moved = {
-        token.name
-        for token in task.tokens
-        for name, least in poses
-        if (token.name, name) in run.layout.slices and np.ptp(run[token, name], axis=0).max() > least
-    }
-    busy = [each for each in recording.instances if each.block != task.domain.resting]
-    named = {name for each in busy for name in each.roles.values()}
-    named |= {str(name) for atom in task.goal for name in atom.arguments}
-    return frozenset((moved | named) & set(task.token_by_name))
-
-
-def _corners(token: Token, run: State) -> FloatArray:
-    """Return the corners of the token's bounding box in each state of a batch, shape ``(t, n, 3)`` [m]."""
-    signs = np.array(list(product((-1, 1), repeat=3)), dtype=float)
-    position = run[token, "position"][:, None]
-    if token.shape is None:
-        return position * [1.0, 1.0, 0.0] + disc_radius(token) * signs * [1.0, 1.0, 0.0]
-    middle, half = bounding_box(token)
-    return position + rotate(run[token, "orientation"][:, None], middle + signs * half)
-
-
-def bounding_box(token: Token) -> tuple[FloatArray, FloatArray]:
-    """Return the centre and the half extents of a token's bounding box in its body frame, each ``(3,)`` [m]."""
-    vertices = np.concatenate([placed_solid(each).vertices for each in solids_of(token.solid)])
-    lower, upper = vertices.min(axis=0), vertices.max(axis=0)
-    return (lower + upper) / 2, (upper - lower) / 2
-
-
-def bounding_radius(token: Token) -> float:
-    """Return the radius [m] of a sphere about a token's origin that contains all meshes of the token."""
-    if token.shape is None:
-        return disc_radius(token)
-    return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
-
-
-def _radius(shape: Solid | Hull) -> float:
-    if isinstance(shape, Hull):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    if isinstance(shape, Cylinder):
-        return float(np.hypot(shape.radius, shape.length / 2))
-    if isinstance(shape, Box):
-        return float(np.linalg.norm(shape.half_extents))
-    return shape.radius
-
-
-def disc_radius(token: Token) -> float:
-    """Return the radius [m] of the disc that is drawn for a token without a shape."""
-    radius = token.properties.get("radius", _DISC)
-    return float(radius)
 
 
 def frame_camera(spheres: Spheres, aspect: float, turn: float = TURN, elevation: float = ELEVATION) -> Camera:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +55,7 @@ def light_direction(view: View) -> FloatArray:
     """Return the vector to the light in the world frame, with a vertical component of 1."""
     right = view.axes[0]
     toward = np.cross(right, [0.0, 0.0, 1.0])
-    return LIGHT[0] * right + LIGHT[1] * toward + LIGHT[2] * np.array([0.0, 0.0, 1.0])
+    return np.asarray(LIGHT[0] * right + LIGHT[1] * toward + LIGHT[2] * np.array([0.0, 0.0, 1.0]))
 
 
 def paint_floor(view: View, regions: Iterable[tuple[Region, FloatArray]]) -> Image.Image:
@@ -65,9 +67,7 @@ def paint_floor(view: View, regions: Iterable[tuple[Region, FloatArray]]) -> Ima
     """
     placed = tuple(regions)
     # Strips bound the memory that a large picture needs.
-    strips = [
-        _paint_strip(view, top, min(top + _STRIP, view.height), placed) for top in range(0, view.height, _STRIP)
-    ]
+    strips = [_paint_strip(view, top, min(top + _STRIP, view.height), placed) for top in range(0, view.height, _STRIP)]
     return Image.fromarray(np.round(np.concatenate(strips) * 255).astype(np.uint8))
 
 
@@ -110,10 +110,12 @@ def _region_masks(
     return inside, lines
 
 
-def _covered(values: NDArray[np.generic]) -> FloatArray:
+def _covered(values: NDArray[Any]) -> FloatArray:
     """Return the mean of the samples of each pixel."""
-    rows = sum(values[row::_SAMPLES].astype(float) for row in range(_SAMPLES))
-    return sum(rows[:, column::_SAMPLES] for column in range(_SAMPLES)) / _SAMPLES**2  # type: ignore[index,no-any-return]
+    total = np.zeros((values.shape[0] // _SAMPLES, values.shape[1] // _SAMPLES))
+    for row, column in product(range(_SAMPLES), repeat=2):
+        total += values[row::_SAMPLES, column::_SAMPLES]
+    return np.asarray(total / _SAMPLES**2)
 
 
 def _mixed(colours: FloatArray, others: FloatArray, share: FloatArray) -> FloatArray:

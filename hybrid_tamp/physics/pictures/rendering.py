@@ -13,9 +13,10 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures.appearance import ColouredMesh, choose_colours, draw_tokens
-from hybrid_tamp.physics.pictures.camera import bounding_radius, disc_radius
 from hybrid_tamp.physics.pictures.floor import Region, draw_shadows, paint_floor
-from hybrid_tamp.physics.pictures.sight import choose_camera
+from hybrid_tamp.physics.pictures.outlines import disc_radius
+from hybrid_tamp.physics.pictures.sight import choose_shot
+from hybrid_tamp.physics.pictures.subject import goal_reach
 from hybrid_tamp.physics.pictures.view import Rectangle, View, merge_rectangles, overlap
 from hybrid_tamp.physics.protocol import Resource, load
 
@@ -27,8 +28,6 @@ _SAMPLES = 2
 """Number of rows and columns that are drawn per pixel, so that edges look smooth."""
 _DECIMALS = 5
 """Poses are rounded to this number of decimals, so that a body that rests does not flicker."""
-_BEYOND = 1.2
-"""Ratio of the radius of a goal's circle to the radius of the largest object that the goal requires there."""
 
 
 class BodyRenderer(Resource, Protocol):
@@ -103,12 +102,12 @@ class Renderer(Resource):
 
 
 def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: int = HEIGHT) -> Renderer:
-    """Open a renderer whose camera shows all that moves or takes part in the run. Recordings of any backend can be drawn.
+    """Open a renderer whose camera shows all that moves or takes part in the run, also if PyBullet did not run it.
 
     Raises:
         InputError: PyBullet is not installed.
     """
-    return Renderer(task, View(choose_camera(task, recording, width / height), width, height))
+    return Renderer(task, View(choose_shot(task, recording, width / height).camera, width, height))
 
 
 def _regions_of(task: Task) -> Iterator[Region]:
@@ -116,10 +115,7 @@ def _regions_of(task: Task) -> Iterator[Region]:
     colours = choose_colours(task)
     for token in task.tokens:
         if token.shape is None:
-            wanted = {name for atom in task.goal if token.name in atom.arguments for name in atom.arguments}
-            largest = max((bounding_radius(each) for each in task.tokens if each.name in wanted), default=0.0)
-            radius = disc_radius(token)
-            yield Region(token.name, radius, colours[token.name], _BEYOND * max(largest, radius) if wanted else 0.0)
+            yield Region(token.name, disc_radius(token), colours[token.name], goal_reach(task, token))
 
 
 def _solids_of(token: str, meshes: Sequence[ColouredMesh]) -> list[FloatArray]:

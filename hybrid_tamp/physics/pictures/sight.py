@@ -1,5 +1,6 @@
 """The camera of a run: near the action, and on a side from which bodies do not hide each other."""
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -10,19 +11,13 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
-from hybrid_tamp.physics.pictures.camera import (
-    ELEVATION,
-    TURN,
-    Camera,
-    bounding_box,
-    find_actors,
-    frame_camera,
-    spheres_of,
-)
+from hybrid_tamp.physics.pictures.camera import ELEVATION, TURN, Camera, frame_camera
+from hybrid_tamp.physics.pictures.outlines import bounding_box
+from hybrid_tamp.physics.pictures.subject import find_actors, sample_states, spheres_of
 
 TURNS = {
     **{TURN: 1.0, -TURN: 1.0},
-    **{sign * np.radians(turn): worth for turn, worth in ((30.0, 0.9), (45.0, 0.86), (60.0, 0.8)) for sign in (1, -1)},
+    **{sign * np.radians(turn): worth for turn, worth in ((30.0, 0.88), (45.0, 0.8), (60.0, 0.7)) for sign in (1, -1)},
 }
 """Maps each horizontal angle of the camera that is tried [rad] to its worth. Motion across the picture is preferred."""
 ELEVATIONS = (ELEVATION, np.radians(36.0))
@@ -30,26 +25,39 @@ ELEVATIONS = (ELEVATION, np.radians(36.0))
 _ROWS = 16
 _INSIDE = 0.85
 _ENOUGH = 0.45
+_CLARITY = 4
+_FARTHER = 1.6
 
 
-def choose_camera(task: Task, recording: Recording, aspect: float) -> Camera:
-    """Return a camera that shows all that moves or takes part in the run, large and with few bodies behind others.
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A camera for a run, with its quality. The quality is higher if the bodies are larger and hide each other less."""
+
+    camera: Camera
+    quality: float
+
+
+def choose_shot(task: Task, recording: Recording, aspect: float) -> Shot:
+    """Return the best camera that shows all that moves or takes part in the run.
 
     Args:
         task: the task of the run.
         recording: the recording of the run.
         aspect: ratio of the picture's width to its height.
     """
-    seen = spheres_of(task, recording)
-    rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
-    states = State(recording.layout, recording.states[rows])
-    names = sorted(find_actors(task, recording))
+    names = find_actors(task, recording)
+    seen, everything = (spheres_of(task, recording, each) for each in (names, task.token_by_name))
+    # Other tokens are shown too, unless this makes the action much smaller.
+    if frame_camera(everything, aspect).distance <= _FARTHER * frame_camera(seen, aspect).distance:
+        seen = everything
+    states = sample_states(recording, _ROWS)
 
-    cameras = [
-        (frame_camera(seen, aspect, turn, elevation), worth)
-        for (turn, worth), elevation in product(TURNS.items(), ELEVATIONS)
-    ]
-    return max(cameras, key=lambda each: each[1] * visible_share(task, states, names, each[0].eye) ** 3 / each[0].distance)[0]
+    def shoot(turn: float, elevation: float) -> Shot:
+        camera = frame_camera(seen, aspect, turn, elevation)
+        visible = visible_share(task, states, sorted(names), camera.eye)
+        return Shot(camera, TURNS[turn] * visible**_CLARITY / camera.distance)
+
+    return max((shoot(*angles) for angles in product(TURNS, ELEVATIONS)), key=lambda shot: shot.quality)
 
 
 def visible_share(task: Task, states: State, names: list[str], eye: FloatArray) -> float:

@@ -41,7 +41,7 @@ class View:
         return float(self.height / 2 / np.tan(FIELD_OF_VIEW / 2))
 
     def project(self, points: ArrayLike) -> FloatArray:
-        """Return the pixel coordinates ``(..., 2)`` of points ``(..., 3)`` [m]. The points are in front of the camera."""
+        """Return the pixel coordinates ``(..., 2)`` of points ``(..., 3)`` [m] in front of the camera."""
         right, up, back = np.moveaxis((np.asarray(points) - self.camera.eye) @ self.axes.T, -1, 0)
         scale = self.focal / np.maximum(-back, 1e-6)
         return np.stack([self.width / 2 + right * scale, self.height / 2 - up * scale], axis=-1)
