@@ -64,16 +64,33 @@ class Labels:
             if body is None or body[0] >= body[2] or body[1] >= body[3]:
                 continue
             width = int(self._letters.width(name)) + 3 * self._gap
-            best = None
-            for index, place in enumerate(_places(body, (width, self._height), self._gap, size)):
-                if any(overlap(place, other) for other in placed.values()):
-                    continue
-                cost = _cost(index, place, body, bodies.values()) - _KEPT * (self._before.get(name) == index)
-                if best is None or cost < best[0]:
-                    best = (cost, index, place)
+            choices = _places(body, (width, self._height), self._gap, size)
+            best = self._choose(name, choices, body, bodies.values(), placed.values())
             if best is not None:
-                self._before[name], placed[name] = best[1], best[2]
+                self._before[name], placed[name] = best
         return placed
+
+    def _choose(
+        self,
+        name: str,
+        choices: Iterable[Rectangle],
+        body: Rectangle,
+        bodies: Iterable[Rectangle],
+        others: Iterable[Rectangle],
+    ) -> tuple[int, Rectangle] | None:
+        """Return the number and the place of the cheapest choice that overlaps no other label, or None."""
+        best: tuple[float, int, Rectangle] | None = None
+        before = self._before.get(name, -1)
+        for index, place in enumerate(choices):
+            # No later place can be cheaper, because the distance grows.
+            if best is not None and index > before and best[0] <= _RING * (index // len(_SIDES)):
+                break
+            if any(overlap(place, other) for other in others):
+                continue
+            cost = _cost(index, place, body, bodies) - _KEPT * (index == before)
+            if best is None or cost < best[0]:
+                best = (cost, index, place)
+        return None if best is None else best[1:]
 
     def _dark(self, name: str) -> tuple[int, int, int]:
         red, green, blue = (round(150 * channel) for channel in self._colours[name])

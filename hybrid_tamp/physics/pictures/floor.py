@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +20,7 @@ _SKY = np.array((1.0, 1.0, 1.0))
 _SIZES = (0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0)
 _TILES_IN_VIEW = 10.0
 _FADES = (0.75, 2.2)
-_SAMPLES = 2
-_STRIP = 64
+_STRIP = 128
 _RIM, _FILL = 0.12, 0.5
 _LINE, _ARM = 0.0026, 0.02
 """Width of lines, and length of the arms outside the circle, as shares of the camera's distance."""
@@ -73,49 +70,46 @@ def paint_floor(view: View, regions: Iterable[tuple[Region, FloatArray]]) -> Ima
 
 def _paint_strip(view: View, top: int, bottom: int, regions: Sequence[tuple[Region, FloatArray]]) -> FloatArray:
     """Return the colours ``(bottom - top, width, 3)`` of rows of the picture."""
-    x = (np.arange(view.width * _SAMPLES) + 0.5) / _SAMPLES
-    y = top + (np.arange((bottom - top) * _SAMPLES) + 0.5) / _SAMPLES
-    points = view.meet_floor(np.stack(np.meshgrid(x, y), axis=-1))
+    pixels = np.meshgrid(np.arange(view.width) + 0.5, np.arange(top, bottom) + 0.5)
+    points = view.meet_floor(np.stack(pixels, axis=-1))
     beyond = ~np.isfinite(points[..., 0])
     points[beyond] = 0.0
     scale = view.camera.distance
     size = next((each for each in _SIZES if each * _TILES_IN_VIEW >= scale), _SIZES[-1])
-    cells = np.floor(points / size).astype(np.int64)
-    colours = _mixed(np.full(3, 1.0) * _TILES[0], _TILES[1], _covered((cells[..., 0] + cells[..., 1]) % 2))
+    # Tiles in two directions: an edge is where the wave is zero.
+    one, other = (_covered(np.abs(points[..., axis] / size % 2 - 1) - 0.5) for axis in (0, 1))
+    colours = _mixed(np.broadcast_to(_TILES[0], (*one.shape, 3)), _TILES[1], one + other - 2 * one * other)
     away = np.linalg.norm(points - view.camera.target[:2], axis=-1) / scale
     fade = np.clip((away - _FADES[0]) / (_FADES[1] - _FADES[0]), 0.0, 1.0)
-    colours = _mixed(colours, _SKY, _covered(np.where(beyond, 1.0, fade * fade * (3 - 2 * fade))))
+    colours = _mixed(colours, _SKY, np.where(beyond, 1.0, fade * fade * (3 - 2 * fade)))
     for region, centre in regions:
-        offset = points - np.asarray(centre)[:2]
-        inside, lines = _region_masks(offset, np.linalg.norm(offset, axis=-1), region, scale)
-        colours = _mixed(colours, np.array(region.colour), _FILL * _covered(inside))
-        colours = _mixed(colours, np.array(region.colour), _covered(lines & ~beyond))
+        inside, lines = _cover_region(points - np.asarray(centre)[:2], region, scale)
+        for share in (_FILL * inside, lines):
+            colours = _mixed(colours, np.array(region.colour), np.where(beyond, 0.0, share))
     return colours
 
 
-def _region_masks(
-    offset: FloatArray, distance: FloatArray, region: Region, scale: float
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return masks of the inside and of the lines of a region, for points at an offset from its centre [m]."""
+def _cover_region(offset: FloatArray, region: Region, scale: float) -> tuple[FloatArray, FloatArray]:
+    """Return how much of each pixel the inside and the lines of a region cover, at an offset from its centre [m]."""
+    distance = np.linalg.norm(offset, axis=-1)
     rim = max(_RIM * region.radius, _LINE * scale)
-    inside = distance < region.radius
-    lines = inside & (distance > region.radius - rim)
+    inside = _covered(region.radius - distance)
+    lines = np.minimum(inside, _covered(distance - region.radius + rim))
     if region.reach > 0:
         width = _LINE / 2 * scale
         # A broken circle looks different from the rim of a large region.
         angle = np.arctan2(offset[..., 1], offset[..., 0]) * _DASHES / (2 * np.pi)
-        lines |= (np.abs(distance - region.reach) < width) & (angle - np.floor(angle) < 0.6)
-        arms = np.abs(offset).min(axis=-1) < width
-        lines |= arms & (distance > region.radius) & (distance < region.reach + _ARM * scale)
+        dashes = np.where(angle - np.floor(angle) < 0.6, _covered(width - np.abs(distance - region.reach)), 0.0)
+        between = (distance > region.radius) & (distance < region.reach + _ARM * scale)
+        arms = [np.where(between, _covered(width - np.abs(offset[..., axis])), 0.0) for axis in (0, 1)]
+        lines = np.maximum.reduce([lines, dashes, *arms])
     return inside, lines
 
 
-def _covered(values: NDArray[Any]) -> FloatArray:
-    """Return the mean of the samples of each pixel."""
-    total = np.zeros((values.shape[0] // _SAMPLES, values.shape[1] // _SAMPLES))
-    for row, column in product(range(_SAMPLES), repeat=2):
-        total += values[row::_SAMPLES, column::_SAMPLES]
-    return np.asarray(total / _SAMPLES**2)
+def _covered(field: FloatArray) -> FloatArray:
+    """Return how much of each pixel is where the field is positive. The field has a value at each pixel's centre."""
+    slope = sum(np.abs(np.gradient(field, axis=axis)) for axis in (0, 1) if field.shape[axis] > 1)
+    return np.clip(0.5 + field / np.maximum(slope, 1e-12), 0.0, 1.0)
 
 
 def _mixed(colours: FloatArray, others: FloatArray, share: FloatArray) -> FloatArray:

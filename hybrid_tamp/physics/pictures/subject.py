@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from itertools import product
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from hybrid_tamp.model.predicate import ANY, Atom
 from hybrid_tamp.model.recording import Recording
@@ -15,17 +16,18 @@ from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures.camera import Spheres
 from hybrid_tamp.physics.pictures.outlines import bounding_box, bounding_radius, disc_radius
 
-_ROWS = 200
+_DECIMALS = 5
 _STILL = 1e-3
 _LEVEL = 1e-2
 _BEYOND = 1.2
 
 
 def spheres_of(task: Task, recording: Recording, names: Iterable[str]) -> Spheres:
-    """Return points that a picture must show: the corners of boxes around tokens at up to 200 instants of the run."""
-    run = sample_states(recording, _ROWS)
+    """Return points that a picture must show: the corners of boxes around tokens during the whole run."""
+    run = recording.trajectory
     corners = np.concatenate([_corners(task, task.token_by_name[name], run).reshape(-1, 3) for name in sorted(names)])
-    return Spheres(corners, np.zeros(len(corners)))
+    points = _extreme_points(corners)
+    return Spheres(points, np.zeros(len(points)))
 
 
 def sample_states(recording: Recording, count: int) -> State:
@@ -70,6 +72,15 @@ def goal_reach(task: Task, token: Token) -> float:
     wanted = {name for atom in goal_atoms(task) if token.name in atom.arguments for name in atom.arguments}
     sizes = [bounding_radius(each) for each in task.tokens if each.name in wanted]
     return _BEYOND * max(sizes, default=0.0)
+
+
+def _extreme_points(points: FloatArray) -> FloatArray:
+    """Return the corners of the convex hull of points ``(n, 3)``. If all points are in one plane, return all points."""
+    distinct = np.unique(np.round(points, _DECIMALS), axis=0)
+    try:
+        return np.asarray(distinct[ConvexHull(distinct).vertices])
+    except QhullError:
+        return np.asarray(distinct)
 
 
 def _corners(task: Task, token: Token, run: State) -> FloatArray:
