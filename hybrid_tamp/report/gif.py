@@ -25,6 +25,7 @@ PAUSE = 1.5
 _PERIOD = 0.08
 _MOST_FRAMES = 150
 _PALETTE_FRAMES = 8
+_FEW = 200
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,11 @@ class _Attempt:
     colours: int
     every: int
     scale: float
+
+    @property
+    def cost(self) -> float:
+        """Size of the file compared with that of another attempt. Each pixel of each frame needs some bits."""
+        return float(np.log2(self.colours)) / self.every * self.scale**2
 
 
 _ATTEMPTS = (
@@ -73,11 +79,7 @@ def write_gif(
         for picture in frames.draw(zip(times, times, strict=True), deadline):
             drawn.append(Image.fromarray(picture))
             progress(len(drawn), len(times))
-        for attempt in _ATTEMPTS:
-            deadline.check()
-            content, count = _encode(drawn, times, attempt)
-            if len(content) <= LARGEST_FILE:
-                break
+        content, count = _encode_small(drawn, times, deadline)
         temporary.write_bytes(content)
     return count
 
@@ -92,7 +94,23 @@ def fit_size(size: tuple[int, int]) -> tuple[int, int]:
 def gif_times(duration: float) -> list[float]:
     """Return the instants of the frames of a run [s]. A GIF counts time in hundredths of a second."""
     period = max(_PERIOD, float(np.ceil(duration / _MOST_FRAMES * 100)) / 100)
-    return [*np.arange(0.0, duration - period / 2, period).tolist(), duration]
+    if duration == 0:
+        return [0.0]
+    return [0.0, *np.arange(period, duration - period / 2, period).tolist(), duration]
+
+
+def _encode_small(drawn: Sequence[Image.Image], times: Sequence[float], deadline: Deadline) -> tuple[bytes, int]:
+    """Return the content of a GIF of at most `LARGEST_FILE`, and its number of frames."""
+    waiting = list(_ATTEMPTS)
+    while True:
+        deadline.check()
+        attempt = waiting.pop(0)
+        content, count = _encode(drawn, times, attempt)
+        if len(content) <= LARGEST_FILE or not waiting:
+            return content, count
+        # Attempts that are not expected to be small enough are left out, because each attempt takes seconds.
+        wanted = attempt.cost * LARGEST_FILE / len(content)
+        waiting = [each for each in waiting[:-1] if each.cost <= wanted] + waiting[-1:]
 
 
 def _encode(drawn: Sequence[Image.Image], times: Sequence[float], attempt: _Attempt) -> tuple[bytes, int]:
@@ -123,7 +141,9 @@ def _shared_palette(pictures: Sequence[Image.Image], colours: int) -> Image.Imag
     # Every second row and column contain the same colours as the whole picture.
     chosen = [np.asarray(pictures[index])[::2, ::2] for index in _spread(len(pictures))]
     joined = Image.fromarray(np.concatenate(chosen))
-    return joined.quantize(colours, method=Image.Quantize.MEDIANCUT, kmeans=1, dither=Image.Dither.NONE)
+    # The colours of the palette are improved until few pixels change to another colour.
+    few = max(joined.width * joined.height // _FEW, 1)
+    return joined.quantize(colours, method=Image.Quantize.MEDIANCUT, kmeans=few, dither=Image.Dither.NONE)
 
 
 def _spread(count: int) -> Iterator[int]:
