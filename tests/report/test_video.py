@@ -99,7 +99,7 @@ class Noise(Columns):
 
     def picture(self, state: State) -> Any:
         seed = round(1e6 * float(state["ball", "position"][0]))
-        return np.random.default_rng(seed).integers(0, 256, (self.height, self.width, 3), dtype=np.uint8)
+        return 36 * np.random.default_rng(seed).integers(0, 8, (self.height, self.width, 3), dtype=np.uint8)
 
 
 def layout_of(task: Task, recording: Recording, kind: type[Layout] = Strips, size: tuple[int, int] = SIZE) -> Layout:
