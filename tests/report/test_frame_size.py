@@ -16,7 +16,7 @@ def test_size_is_read_from_its_text() -> None:
     "text", ["", "720", "1280X720", "1280 x 720", "-1280x720", "1e3x720", "1280x720x3", "1280.0x720"]
 )
 def test_text_of_another_form_is_refused_with_an_example(text: str) -> None:
-    with pytest.raises(InputError, match="e.g. 1920x1080"):
+    with pytest.raises(InputError, match=r"e\.g\. 1920x1080"):
         parse_size(text)
 
 
