@@ -9,11 +9,14 @@ from hybrid_tamp.physics.pictures.appearance import Colour
 from hybrid_tamp.physics.pictures.view import Rectangle, overlap
 from hybrid_tamp.report.lettering import Letters
 
-_SIDES = ((0, -1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (1, 1), (-1, 1))
+_SIDES = (
+    *((0.0, -1), (0.5, -1), (-0.5, -1), (1.0, 0), (-1.0, 0), (0.0, 1)),
+    *((0.5, 1), (-0.5, 1), (1.0, -1), (-1.0, -1), (1.0, 1), (-1.0, 1)),
+)
 """Directions from a body to its label, to the right and downward. Earlier directions are preferred."""
 _RINGS = 4
 _GRID = 8
-_KEPT, _SIDE, _RING, _COVER, _ANYWHERE = 1.2, 0.12, 0.9, 4.0, 9.0
+_KEPT, _SIDE, _RING, _COVER, _ANYWHERE = 1.0, 0.08, 1.0, 4.0, 9.0
 """Costs of a place: its bonus if it is the place in the picture before, its side, its distance and covered bodies."""
 _INK = (28, 33, 40)
 _PAPER = (255, 255, 255, 225)
@@ -117,7 +120,8 @@ def _places(body: Rectangle, label: tuple[int, int], gap: int, size: tuple[int, 
     for ring in range(_RINGS):
         away = gap + ring * 1.3 * height
         for right, down in _SIDES:
-            across = x + right * ((body[2] - body[0]) / 2 + (away if down == 0 else ring * height) + width / 2)
+            beside = width / 2 if abs(right) == 1 else 0.0
+            across = x + right * ((body[2] - body[0]) / 2 + (away if down == 0 else ring * height) + beside)
             along = y + down * ((body[3] - body[1]) / 2 + away + height / 2)
             yield _inside(across - width / 2, along - height / 2, label, size)
     for row, column in product(range(_GRID), repeat=2):

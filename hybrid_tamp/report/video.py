@@ -70,7 +70,9 @@ def step_pictures(folder: Path, frames: Frames, deadline: Deadline = NEVER) -> t
     # The end of a step belongs to the next step, so the caption is taken from the preceding time step.
     instants = [(float(step.end), max(step.start, float(step.end) - recording.timestep)) for step in steps]
     written = []
-    for step, picture in zip(steps, frames.draw(instants, deadline), strict=True):
+    # Labels need not keep their sides between pictures that differ much.
+    pictures = chain.from_iterable(frames.draw([instant], deadline) for instant in instants)
+    for step, picture in zip(steps, pictures, strict=True):
         path = folder / f"step-{step.index:02d}.png"
         with renamed(path) as temporary:
             Image.fromarray(picture).save(temporary, format="PNG")
