@@ -13,7 +13,10 @@ def network(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show the reassignment network, with the slots that a token may enter after each slot."""
+    """Show the reassignment network of a domain or a task.
+
+    Example: hybrid-tamp network rolling_tumbling
+    """
     from hybrid_tamp.report.domain_documents import network_document
     from hybrid_tamp.report.tables import network_table
     from hybrid_tamp.verbs.network import find_network

@@ -68,13 +68,16 @@ class Frames:
 
 
 def choose_layout(task: Task, recording: Recording, size: tuple[int, int]) -> tuple[Layout, View]:
-    """Return the layout for frames of a size [pixels] in which the bodies are larger, and the view of the scene."""
+    """Return the layout for frames of a size [pixels], and the view of the scene.
+
+    A layout with room for all captions is preferred. Of two such layouts, the one with larger bodies is chosen.
+    """
     captions = Captions(recording, task.domain.resting)
     found = []
     for kind in (Strips, Panel):
         layout = kind(captions, legend(task), size)
         width, height = layout.scene
         shot = choose_shot(task, recording, width / height)
-        found.append((height * shot.quality, layout, View(shot.camera, width, height)))
+        found.append(((layout.complete, height * shot.quality), layout, View(shot.camera, width, height)))
     _, layout, view = max(found, key=lambda each: each[0])
     return layout, view

@@ -50,6 +50,8 @@ class Layout(ABC):
         self._legend = legend
         self._size = size
         self._margin = self.letters.size // 2
+        self.complete = True
+        """Whether the frames have room for all captions."""
 
     @property
     @abstractmethod
@@ -102,7 +104,10 @@ class Layout(ABC):
             for paragraph in paragraphs
             for number, text in enumerate(self.letters.wrap(paragraph.text, room))
         ]
-        return lines if len(lines) <= rows else [*lines[: max(rows - 1, 0)], _Line("...", pale=True, first=False)]
+        if len(lines) <= rows:
+            return lines
+        self.complete = False
+        return [*lines[: max(rows - 1, 0)], _Line("...", pale=True, first=False)]
 
 
 class Strips(Layout):
