@@ -1,7 +1,7 @@
 """The verb ``run``."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -18,6 +18,15 @@ if TYPE_CHECKING:
 
 _PAGE = "report.html"
 
+Video = Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")]
+Gif = Annotated[Path | None, typer.Option("--gif", metavar="FILE.gif", help="animated GIF of at most 3 MB to write")]
+Size = Annotated[
+    str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="size of the step pictures and the video [pixels]")
+]
+Compare = Annotated[
+    bool, typer.Option("--compare", help="also run the plan with default hyperparameters, and compare the values")
+]
+
 
 def run(
     context: typer.Context,
@@ -28,17 +37,11 @@ def run(
     planner: options.Planner = None,
     objective: options.Objective = None,
     backend: options.Backend = "pybullet",
-    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")] = None,
-    gif: Annotated[
-        Path | None, typer.Option("--gif", metavar="FILE.gif", help="animated GIF of at most 3 MB to write")
-    ] = None,
-    size: Annotated[
-        str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="size of the step pictures and the video [pixels]")
-    ] = "1280x720",
+    video: Video = None,
+    gif: Gif = None,
+    size: Size = "1280x720",
     force: options.Force = False,
-    compare: Annotated[
-        bool, typer.Option("--compare", help="also run the plan with default hyperparameters, and compare the values")
-    ] = False,
+    compare: Compare = False,
     seed: options.Seed = None,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
@@ -66,12 +69,16 @@ def run(
             result = run_and_draw(force=force, compare=compare, progress=tell)
     _show(result, as_json)
     if not as_json:
-        written = {"page": output / _PAGE, "video": video, "GIF": gif}
-        typer.echo("\n".join(f"{kind}: {path}" for kind, path in written.items() if path))
+        _point_to({"page": output / _PAGE, "video": video, "GIF": gif})
     _judge(result, as_json)
     if not as_json:
         typer.echo(f"next: hybrid-tamp explain {task}\n      hybrid-tamp replay {output}")
         typer.echo(f"total time with pictures: {time.monotonic() - context.obj:.1f} s")
+
+
+def _point_to(written: Mapping[str, Path | None]) -> None:
+    """Print the path of each file that was written."""
+    typer.echo("\n".join(f"{kind}: {path}" for kind, path in written.items() if path))
 
 
 @contextmanager

@@ -87,13 +87,18 @@ def run(
             recording = execute(task, plan, physics, partial(_tell, tell, "running"), events, deadline)
         compared = compare_runs(outcome, recording, physics, deadline) if compare else ()
     result = judge(outcome, recording, time.monotonic() - began, compared)
-    save(result.recording, target.path / "recording.npz")
-    target.write_json("result.json", document(result))
-    try:
-        draw_run(target, task, recording, films, partial(_tell, tell, "drawing"), deadline)
-    finally:
-        write_page(target, task.domain.resting)
+    _store(target, result, films, tell, deadline)
     return result
+
+
+def _store(folder: RunFolder, result: RunResult, films: Films, tell: Progress, deadline: Deadline) -> None:
+    """Write the recording, the result and the pictures, and then the page that shows them."""
+    save(result.recording, folder.path / "recording.npz")
+    folder.write_json("result.json", document(result))
+    try:
+        draw_run(folder, result.task, result.recording, films, partial(_tell, tell, "drawing"), deadline)
+    finally:
+        write_page(folder, result.task.domain.resting)
 
 
 def _plan(
