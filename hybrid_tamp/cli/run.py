@@ -1,7 +1,7 @@
 """The verb ``run``."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -18,6 +18,15 @@ if TYPE_CHECKING:
 
 _PAGE = "report.html"
 
+Video = Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")]
+Gif = Annotated[Path | None, typer.Option("--gif", metavar="FILE.gif", help="animated GIF of at most 3 MB to write")]
+Size = Annotated[
+    str, typer.Option("--size", metavar="WIDTHxHEIGHT", help="size of the step pictures and the video [pixels]")
+]
+Compare = Annotated[
+    bool, typer.Option("--compare", help="also run the plan with default hyperparameters, and compare the values")
+]
+
 
 def run(
     context: typer.Context,
@@ -28,11 +37,11 @@ def run(
     planner: options.Planner = None,
     objective: options.Objective = None,
     backend: options.Backend = "pybullet",
-    video: Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="video to write")] = None,
+    video: Video = None,
+    gif: Gif = None,
+    size: Size = "1280x720",
     force: options.Force = False,
-    compare: Annotated[
-        bool, typer.Option("--compare", help="also run the plan with default hyperparameters, and compare the values")
-    ] = False,
+    compare: Compare = False,
     seed: options.Seed = None,
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
@@ -47,6 +56,7 @@ def run(
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:
+        from hybrid_tamp.report.frame_size import parse_size
         from hybrid_tamp.report.progress import progress_bar
         from hybrid_tamp.verbs.loading import Settings
         from hybrid_tamp.verbs.run import run as run_task
@@ -54,15 +64,21 @@ def run(
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         run_here = partial(run_task, task, output, settings, backend=backend, planner=process)
+        run_and_draw = partial(run_here, video=video, gif=gif, size=parse_size(size))
         with progress_bar() as tell, _pointing_at(output / _PAGE):
-            result = run_here(video=video, force=force, compare=compare, progress=tell)
+            result = run_and_draw(force=force, compare=compare, progress=tell)
     _show(result, as_json)
     if not as_json:
-        typer.echo("\n".join([f"page: {output / _PAGE}", *([f"video: {video}"] if video else [])]))
+        _point_to({"page": output / _PAGE, "video": video, "GIF": gif})
     _judge(result, as_json)
     if not as_json:
         typer.echo(f"next: hybrid-tamp explain {task}\n      hybrid-tamp replay {output}")
         typer.echo(f"total time with pictures: {time.monotonic() - context.obj:.1f} s")
+
+
+def _point_to(written: Mapping[str, Path | None]) -> None:
+    """Print the path of each file that was written."""
+    typer.echo("\n".join(f"{kind}: {path}" for kind, path in written.items() if path))
 
 
 @contextmanager

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid
+from hybrid_tamp.geometry.shapes import Box, BoxPart, Cylinder, CylinderPart, Solid, SpherePart
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import rotate
+from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 
 _SIDES = 40
 _RINGS = 20
@@ -56,6 +56,11 @@ def solid(shape: Solid | Hull) -> Mesh:
     if isinstance(shape, Box):
         return box(shape.half_extents)
     return sphere(shape.radius)
+
+
+def placed_solid(part: CylinderPart | BoxPart | SpherePart | Hull) -> Mesh:
+    """Return the surface of a convex solid at its pose in the body frame."""
+    return solid(part).turned(quaternion_from_rpy(part.rpy)).moved(part.position)
 
 
 def faceted(hull: Hull) -> Mesh:

@@ -1,7 +1,7 @@
-"""Draw a recording as a video and as one picture per step. The caller passes the function that draws a state."""
+"""Write the frames of a recording as a video and as one picture per step."""
 
 import os
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager
 from itertools import chain
 from pathlib import Path
@@ -13,59 +13,32 @@ from PIL import Image
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.report.caption import Captions, Picture
-
-Render = Callable[[State], Picture]
-"""Function that draws a state ``(n,)`` as a picture ``(height, width, 3)``. All pictures have the same size."""
+from hybrid_tamp.report.frames import Frames
+from hybrid_tamp.report.layout import Picture
 
 Progress = Callable[[int, int], None]
 """Function that is called with the number of finished frames and the total number of frames."""
 
-FRAME_RATE = 20
-"""Frames per second."""
+FRAME_RATE = 30
+"""Frames per second of a video."""
 _QUALITY = ["-crf", "20", "-preset", "veryfast", "-movflags", "+faststart"]
 
 
-def frame_times(recording: Recording, frame_rate: int = FRAME_RATE) -> FloatArray:
+def frame_times(recording: Recording, frame_rate: float = FRAME_RATE) -> FloatArray:
     """Return the instants of the frames [s], shape ``(n,)``, from the start to the end of the run."""
     count = int(np.ceil(round(recording.duration * frame_rate, 6)))
     return np.append(np.arange(count) / frame_rate, recording.duration)
 
 
-def _pictures(
-    task: Task, recording: Recording, render: Render, instants: Iterable[tuple[float, float]], deadline: Deadline
-) -> Iterator[Picture]:
-    """Yield a captioned picture for each pair of (instant of the picture, instant of the caption) [s].
-
-    Raises:
-        LimitReached: the deadline passes.
-    """
-    captions: Captions | None = None
-    for time, captioned in instants:
-        deadline.check()
-        picture = render(recording.at(time))
-        captions = captions or Captions(task, recording, picture.shape[1])
-        yield captions.under(picture, captioned)
-
-
 def write_video(
-    path: Path,
-    task: Task,
-    recording: Recording,
-    render: Render,
-    progress: Progress = lambda done, of: None,
-    deadline: Deadline = NEVER,
+    path: Path, frames: Frames, progress: Progress = lambda done, of: None, deadline: Deadline = NEVER
 ) -> int:
     """Write an mp4 video and return its number of frames.
 
     Args:
         path: path of the video. The file has a temporary name until the video is complete.
-        task: the task of the run.
-        recording: the recording of the run.
-        render: function that draws a state.
+        frames: the frames of the run.
         progress: function that is called after every frame.
         deadline: deadline of the command.
 
@@ -73,9 +46,9 @@ def write_video(
         InputError: the file cannot be written.
         LimitReached: the deadline passes. No video is left.
     """
-    times: list[float] = frame_times(recording).tolist()
-    with _renamed(path) as temporary:
-        pictures = _pictures(task, recording, render, zip(times, times, strict=True), deadline)
+    times: list[float] = frame_times(frames.recording).tolist()
+    with renamed(path) as temporary:
+        pictures = frames.draw(zip(times, times, strict=True), deadline)
         first = next(pictures)
         with closing(_encoder(temporary, first)) as encoder:
             encoder.send(None)
@@ -85,36 +58,43 @@ def write_video(
     return len(times)
 
 
-def step_pictures(
-    folder: Path, task: Task, recording: Recording, render: Render, deadline: Deadline = NEVER
-) -> tuple[Path, ...]:
+def step_pictures(folder: Path, frames: Frames, deadline: Deadline = NEVER) -> tuple[Path, ...]:
     """Write one PNG per step (``step-01.png`` etc.) that shows the scene at the end of the step.
 
     Raises:
         InputError: a file cannot be written.
         LimitReached: the deadline passes. The pictures so far are left.
     """
+    recording = frames.recording
     steps = tuple(recording.plan.steps)
     # The end of a step belongs to the next step, so the caption is taken from the preceding time step.
     instants = [(float(step.end), max(step.start, float(step.end) - recording.timestep)) for step in steps]
     written = []
-    for step, picture in zip(steps, _pictures(task, recording, render, instants, deadline), strict=True):
+    # Labels need not keep their sides between pictures that differ much.
+    pictures = chain.from_iterable(frames.draw([instant], deadline) for instant in instants)
+    for step, picture in zip(steps, pictures, strict=True):
         path = folder / f"step-{step.index:02d}.png"
-        with _renamed(path) as temporary:
+        with renamed(path) as temporary:
             Image.fromarray(picture).save(temporary, format="PNG")
         written.append(path)
     return tuple(written)
 
 
-def check_video(path: Path | None) -> None:
-    """Raise `InputError` if the folder of a video does not exist or its path does not end in ``.mp4``."""
+def check_film(path: Path | None, kind: str, suffix: str) -> None:
+    """Raise `InputError` if the folder of a video or GIF does not exist or its path has another ending.
+
+    Args:
+        path: path of the file, or None.
+        kind: what the file is, for messages, e.g. ``"video"``.
+        suffix: ending that the path must have, e.g. ``".mp4"``.
+    """
     if path is None:
         return
-    if path.suffix.lower() != ".mp4":
-        raise InputError([Issue(str(path), "the name of the video must end in .mp4")])
+    if path.suffix.lower() != suffix:
+        raise InputError([Issue(str(path), f"the name of the {kind} must end in {suffix}")])
     if not path.parent.is_dir():
         came = "which is a file" if path.parent.exists() else "which does not exist"
-        raise InputError([Issue(str(path), "the video must be in an existing folder", f"{path.parent}, {came}")])
+        raise InputError([Issue(str(path), f"the {kind} must be in an existing folder", f"{path.parent}, {came}")])
 
 
 def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, None]:
@@ -134,8 +114,12 @@ def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, No
 
 
 @contextmanager
-def _renamed(path: Path) -> Iterator[Path]:
-    """Yield a temporary path with the same ending, and rename the temporary file to `path` if no error occurs."""
+def renamed(path: Path) -> Iterator[Path]:
+    """Yield a temporary path with the same ending, and rename the temporary file to `path` if no error occurs.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
     temporary = path.with_name(f".{os.getpid()}.part.{path.name}")
     try:
         # Fail early if the file cannot be written, before any picture is drawn or an encoder is started.

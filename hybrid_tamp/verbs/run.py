@@ -10,10 +10,8 @@ from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.outcome import PlanOutcome
-from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.physics.pictures.rendering import open_renderer
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.planning.replanning import FindPlan, Progress, plan_and_refine
@@ -21,10 +19,11 @@ from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.frame_size import SIZE
 from hybrid_tamp.report.page import write_page
-from hybrid_tamp.report.video import check_video, step_pictures, write_video
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner
+from hybrid_tamp.verbs.drawing import Films, draw_run
 from hybrid_tamp.verbs.judging import compare_runs, judge
 from hybrid_tamp.verbs.loading import Settings, load
 from hybrid_tamp.verbs.plan import TRIALS, save_plan
@@ -37,6 +36,8 @@ def run(
     *,
     backend: str = "pybullet",
     video: Path | None = None,
+    gif: Path | None = None,
+    size: tuple[int, int] = SIZE,
     force: bool = False,
     compare: bool = False,
     planner: Planner | None = None,
@@ -52,6 +53,8 @@ def run(
         settings: settings that override the task file.
         backend: name of the physics backend.
         video: file for a video. One picture per step is drawn even if no video is wanted.
+        gif: file for an animated GIF of at most 3 MB.
+        size: width and height of the step pictures and the video [pixels].
         force: whether to replace the files of another run.
         compare: whether to run the plan with default hyperparameters too, and to compare the values of both runs.
         planner: a running planner process; by default a new process is started.
@@ -65,7 +68,7 @@ def run(
         InputError: the task file, the folder, the planner or the backend cannot be used.
         NotFinite: every rollout of a plan failed.
     """
-    began = settings.clock()
+    began, films = settings.clock(), Films(video, gif, size)
     tell = progress or (lambda share, what: None)
     with ExitStack() as stack:
         # Start the planner process first, so that its start-up overlaps with the reading of the task file.
@@ -73,7 +76,7 @@ def run(
         task = load(source, settings, plans=find_plan is None)
         deadline = deadline or Deadline.after(task.limits.time, began)
         target = RunFolder.open(folder, force=force)
-        check_video(video)
+        films.check()
         physics = stack.enter_context(open_backend(backend))
         planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
         outcome = _plan(task, planning, process, tell, backend, deadline)
@@ -84,13 +87,18 @@ def run(
             recording = execute(task, plan, physics, partial(_tell, tell, "running"), events, deadline)
         compared = compare_runs(outcome, recording, physics, deadline) if compare else ()
     result = judge(outcome, recording, time.monotonic() - began, compared)
-    save(result.recording, target.path / "recording.npz")
-    target.write_json("result.json", document(result))
-    try:
-        _draw(target, task, recording, video, tell, deadline)
-    finally:
-        write_page(target, task.domain.resting)
+    _store(target, result, films, tell, deadline)
     return result
+
+
+def _store(folder: RunFolder, result: RunResult, films: Films, tell: Progress, deadline: Deadline) -> None:
+    """Write the recording, the result and the pictures, and then the page that shows them."""
+    save(result.recording, folder.path / "recording.npz")
+    folder.write_json("result.json", document(result))
+    try:
+        draw_run(folder, result.task, result.recording, films, partial(_tell, tell, "drawing"), deadline)
+    finally:
+        write_page(folder, result.task.domain.resting)
 
 
 def _plan(
@@ -101,21 +109,6 @@ def _plan(
     if outcome.plan is not None:
         return outcome
     return explain_outcome(blame_factors(outcome, planner, deadline), TRIALS, 1, deadline)
-
-
-def _draw(
-    folder: RunFolder, task: Task, recording: Recording, video: Path | None, tell: Progress, deadline: Deadline
-) -> None:
-    """Draw a picture of each step, and a video if its path is given.
-
-    Raises:
-        LimitReached: the deadline passes.
-    """
-    with open_renderer(task, recording) as renderer:
-        step_pictures(folder.path, task, recording, renderer.picture, deadline)
-        if video is not None:
-            drawn = partial(_tell, tell, "drawing")
-            write_video(video, task, recording, renderer.picture, drawn, deadline)
 
 
 def _tell(tell: Progress, what: str, done: float, of: float) -> None:

@@ -314,6 +314,10 @@ def test_nothing_is_lost_to_a_run_that_cannot_begin(command: Command, ran: tuple
         ["--planner", "nope"],
         ["--video", tmp_path / "x.gif"],
         ["--video", tmp_path / "none" / "x.mp4"],
+        ["--gif", tmp_path / "x.mp4"],
+        ["--gif", tmp_path / "none" / "x.gif"],
+        ["--size", "1281x720"],
+        ["--size", "large"],
     ):
         assert command("run", ROLL, "-o", folder, "--force", *words).returncode == 30
         assert sorted(path.name for path in folder.iterdir()) == before

@@ -11,7 +11,7 @@ from hybrid_tamp.geometry.shapes import MeshFile
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.pictures.appearance import draw_tokens
-from hybrid_tamp.physics.pictures.camera import bounding_radius
+from hybrid_tamp.physics.pictures.outlines import bounding_radius
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.physics.scene import make_bodies
 from hybrid_tamp.taskfile.meshfile import read_mesh

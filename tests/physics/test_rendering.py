@@ -8,15 +8,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from predicted_runs import predict
+from toys import Toys
 
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.geometry import triangles
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
+from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures import camera
-from hybrid_tamp.physics.pictures.appearance import draw_tokens
-from hybrid_tamp.physics.pictures.camera import Spheres, frame_camera, spheres_of
+from hybrid_tamp.physics.pictures.appearance import choose_colours, draw_tokens, legend
+from hybrid_tamp.physics.pictures.camera import Camera, Spheres, frame_camera
 from hybrid_tamp.physics.pictures.rendering import open_renderer
+from hybrid_tamp.physics.pictures.sight import choose_shot, visible_share
+from hybrid_tamp.physics.pictures.subject import find_actors
+from hybrid_tamp.physics.pictures.view import View, merge_rectangles, overlap
 from hybrid_tamp.physics.protocol import open_backend
 
 coordinate = st.floats(-3, 3)
@@ -42,8 +47,8 @@ def test_every_sphere_is_inside_the_frustum_and_one_touches_nearly(spheres: Any,
             gaps.append(offset @ inward - seen.radii)
     smallest = np.min(gaps)
     assert smallest >= 0
-    # Only the margin of the picture remains, which is 0.08 of the distance at half the angle of view.
-    assert smallest <= 0.08 * shot.distance
+    # Only the margin of the picture remains.
+    assert smallest <= (camera.SPARE - 1) * shot.distance
 
 
 def test_camera_puts_the_motion_from_left_to_right() -> None:
@@ -108,20 +113,99 @@ def test_picture_shows_every_token_in_its_colour(toys: Any) -> None:
     assert picture[0, 0].min() > 200
     seen = picture.reshape(-1, 3) / 255.0
     hues = seen / np.maximum(seen.sum(axis=1, keepdims=True), 1e-9)
-    for part in draw_tokens(task):
-        hue = np.array(part.colour) / sum(part.colour)
-        assert (np.abs(hues - hue).max(axis=1) < 0.03).any(), part.token
+    for token, colour in choose_colours(task).items():
+        # The inside of a region is half as strong as its colour.
+        shades = [np.array(colour), (np.array(colour) + 0.95) / 2]
+        assert any((np.abs(hues - shade / shade.sum()).max(axis=1) < 0.03).any() for shade in shades), token
 
 
-def test_camera_holds_still_and_sees_the_whole_run(toys: Any) -> None:
+def test_bodies_cast_shadows_and_hide_the_floor(toys: Any) -> None:
     task, plan = scene(toys)
     recording = predict(task, plan)
-    seen = spheres_of(task, recording)
-    lower, upper = seen.bounds
+    with open_renderer(task, recording, 320, 176) as renderer:
+        picture = renderer.picture(recording.state(0)).astype(int)
+        bounds = renderer.bounds(recording.state(0))
+    grey = np.ptp(picture, axis=2) < 30
+    assert (grey & (picture.max(axis=2) < 200)).mean() > 0.002, "no shadow"
+    left, top, right, bottom = bounds["box"]
+    middle = picture[(top + bottom) // 2, (left + right) // 2]
+    assert middle[0] - middle[2] > 60, "the box is not where its bounds are"
+
+
+def moved(task: Any, recording: Any, moves: Any) -> Any:
+    """Return the first 30 instants of a recording with random positions and orientations of all bodies."""
+    states = recording.states[:30].copy()
+    slices = recording.layout.slices
     for token in task.tokens:
-        places = recording.trajectory[token, "position"]
-        assert np.all(places >= lower)
-        assert np.all(places <= upper)
+        if token.shape is not None:
+            states[:, slices[token.name, "position"]] = moves.uniform(
+                (-1.5, -1.5, 0.2), (1.5, 1.5, 3.2), (len(states), 3)
+            )
+            turned = moves.normal(size=(len(states), 4))
+            states[:, slices[token.name, "orientation"]] = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+    return replace(recording, states=states, times=recording.times[:30])
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), aspect=st.floats(0.6, 2.6))
+def test_camera_shows_every_vertex_of_every_moving_body_at_every_instant(seed: int, aspect: float) -> None:
+    task, plan = scene(Toys())
+    run = moved(task, predict(task, plan), np.random.default_rng(seed))
+    view = View(choose_shot(task, run, aspect).camera, round(300 * aspect), 300)
+    for mesh in draw_tokens(task):
+        state = run.trajectory
+        placed = rotate(state[mesh.token, "orientation"][:, None], mesh.mesh.vertices)
+        pixels = view.project(placed + state[mesh.token, "position"][:, None])
+        assert pixels.min() >= 0
+        assert np.all(pixels.max(axis=(0, 1)) <= [view.width, view.height])
+
+
+def test_tokens_that_take_no_part_do_not_make_the_action_small(toys: Any) -> None:
+    task, plan = scene(toys)
+    near = predict(task, plan)
+    slices, states = near.layout.slices, near.states.copy()
+    states[:, slices["ball", "position"]] = [40.0, 0.0, 0.1]
+    far = replace(near, states=states)
+    assert find_actors(task, far) == {"pusher", "spot"}
+    distances = [choose_shot(task, run, 1.6).camera.distance for run in (near, far)]
+    assert distances[1] <= distances[0]
+
+
+def test_body_behind_another_body_is_not_visible(toys: Any) -> None:
+    task, plan = scene(toys)
+    states = predict(task, plan).trajectory
+    names = ["ball", "box"]
+    # The box is at x = 0.5 and the ball at x = 0.9.
+    before, behind, aside = (
+        visible_share(task, states, names, np.array(eye)) for eye in ([-3, 0.3, 0.15], [3, 0.3, 0.15], [0.7, -3, 0.15])
+    )
+    assert before == pytest.approx(0.5), "the box hides the ball"
+    assert behind > 0.9, "the ball hides a small part of the box"
+    assert aside == 1.0
+
+
+def test_points_of_the_floor_appear_where_the_floor_is_seen() -> None:
+    view = View(Camera(np.array([0.4, -2.0, 1.5]), np.array([0.0, 0.1, 0.2])), 320, 180)
+    pixels = np.array([[10.0, 170.0], [160.0, 90.0], [310.0, 120.0]])
+    floor = view.meet_floor(pixels)
+    assert view.project(np.column_stack([floor, np.zeros(3)])) == pytest.approx(pixels)
+    assert np.all(np.isinf(view.meet_floor([[160.0, -2000.0]])))
+
+
+corner = st.integers(0, 60)
+
+
+@given(st.lists(st.tuples(corner, corner, corner, corner), max_size=8))
+def test_merged_rectangles_cover_all_and_are_disjoint(rectangles: Any) -> None:
+    merged = merge_rectangles(rectangles)
+    covered = np.zeros((60, 60), dtype=bool)
+    for left, top, right, bottom in merged:
+        assert not covered[top:bottom, left:right].any()
+        covered[top:bottom, left:right] = True
+    for left, top, right, bottom in rectangles:
+        if left < right and top < bottom:
+            assert covered[top:bottom, left:right].all()
+    assert not any(overlap(one, other) for one in merged for other in merged if one is not other)
 
 
 def test_drawing_does_not_disturb_a_simulation(toys: Any) -> None:
@@ -135,8 +219,16 @@ def test_drawing_does_not_disturb_a_simulation(toys: Any) -> None:
 
 def test_many_hands_get_shades_of_their_own(toys: Any) -> None:
     task = toys.world.pusher("one").pusher("two").pusher("three").spot().task()
-    colours = {part.token: part.colour for part in draw_tokens(task)}
-    assert len(set(colours.values())) == 4
+    assert len(set(choose_colours(task).values())) == 4
+    # Tokens of the same classes have one entry.
+    assert [text for text, _ in legend(task)] == ["PUSHER", "SPOT"]
+
+
+def test_place_in_the_goal_has_its_own_colour(toys: Any) -> None:
+    world = toys.world.pusher().spot().spot("other")
+    goal, other = (choose_colours(world.task(Atom("near", ("pusher", "spot"))))[name] for name in ("spot", "other"))
+    assert goal != other
+    assert goal[1] > max(goal[0], goal[2]), "green"
 
 
 def test_wide_scene_keeps_the_number_of_tiles_bounded(toys: Any) -> None:

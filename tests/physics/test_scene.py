@@ -6,7 +6,7 @@ from workbench import HAMMER, MOMENT, held
 
 from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Cylinder, CylinderPart, Shape, Sphere, SpherePart
 from hybrid_tamp.physics.pictures.appearance import draw_tokens
-from hybrid_tamp.physics.pictures.camera import bounding_radius
+from hybrid_tamp.physics.pictures.outlines import bounding_radius
 from hybrid_tamp.physics.scene import compute_inertia, make_bodies
 
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])

@@ -1,4 +1,4 @@
-"""Tests of videos, step pictures and captions, with pictures that are drawn without physics."""
+"""Tests of videos, GIFs, step pictures and captions, with pictures that are drawn without physics."""
 
 import re
 import subprocess
@@ -10,7 +10,7 @@ from typing import Any
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from hybrid_tamp.errors import InputError
 from hybrid_tamp.geometry.shapes import Sphere
@@ -24,11 +24,17 @@ from hybrid_tamp.model.recording import AtomMargin, Failure, Recording
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
+from hybrid_tamp.physics.pictures.appearance import legend
+from hybrid_tamp.physics.pictures.view import Rectangle
+from hybrid_tamp.report import gif
 from hybrid_tamp.report.caption import Captions, allocation
+from hybrid_tamp.report.frames import Frames
+from hybrid_tamp.report.gif import LARGEST_FILE, PAUSE, fit_size, gif_times, write_gif
+from hybrid_tamp.report.layout import Layout, Panel, Strips
 from hybrid_tamp.report.video import frame_times, step_pictures, write_video
 
 TIMESTEP = 1 / 240
-WIDTH, HEIGHT = 161, 90  # odd sizes, which a video cannot have
+SIZE = (480, 270)
 
 
 def block(name: str) -> Block:
@@ -71,12 +77,46 @@ def recording(task: Task) -> Recording:
     )
 
 
-def draw(state: State) -> Any:
-    """Draw a dark column that moves from left to right with the ball."""
-    picture = np.full((HEIGHT, WIDTH, 3), 240, dtype=np.uint8)
-    column = int(state["ball", "position"][0] * (WIDTH - 10))
-    picture[:, column : column + 10] = (200, 40, 40)
-    return picture
+class Columns:
+    """A scene in which a dark column moves from left to right with the ball."""
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        self.width, self.height = size
+
+    def picture(self, state: State) -> Any:
+        picture = np.full((self.height, self.width, 3), 240, dtype=np.uint8)
+        left, _, right, _ = self.bounds(state)["ball"]
+        picture[:, left:right] = (200, 40, 40)
+        return picture
+
+    def bounds(self, state: State) -> dict[str, Rectangle]:
+        column = int(state["ball", "position"][0] * (self.width - 10))
+        return {"ball": (column, 0, column + 10, self.height)}
+
+
+class Noise(Columns):
+    """A scene whose pixels are random, which no GIF can compress."""
+
+    def picture(self, state: State) -> Any:
+        seed = round(1e6 * float(state["ball", "position"][0]))
+        return 36 * np.random.default_rng(seed).integers(0, 8, (self.height, self.width, 3), dtype=np.uint8)
+
+
+def layout_of(task: Task, recording: Recording, kind: type[Layout] = Strips, size: tuple[int, int] = SIZE) -> Layout:
+    return kind(Captions(recording, task.domain.resting), legend(task), size)
+
+
+def frames_of(task: Task, recording: Recording, scene: type[Columns] = Columns) -> Frames:
+    layout = layout_of(task, recording)
+    return Frames(task, recording, layout, scene(layout.scene))
+
+
+def columns_in(frames: Any, task: Task, recording: Recording) -> list[int]:
+    """Return the place of the column in each frame."""
+    layout = layout_of(task, recording)
+    # The label covers a part of the upper half.
+    lower = slice(layout.corner[1] + layout.scene[1] // 2, layout.corner[1] + layout.scene[1] - 2)
+    return [int(np.argmin(frame[lower, :, 1].mean(axis=0))) for frame in frames]
 
 
 def read(path: Path, width: int) -> tuple[str, list[Any]]:
@@ -91,20 +131,91 @@ def read(path: Path, width: int) -> tuple[str, list[Any]]:
 def test_video_shows_the_run_from_its_start_to_its_end(task: Task, recording: Recording, tmp_path: Path) -> None:
     path = tmp_path / "video.mp4"
     told: list[tuple[int, int]] = []
-    count = write_video(path, task, recording, draw, lambda done, of: told.append((done, of)))
-    assert count == 21
-    assert told == [(done, 21) for done in range(1, 22)]
-    said, frames = read(path, WIDTH + 1)
-    assert len(frames) == 21
-    assert all(word in said for word in ("Video: h264", "yuv420p", "20 fps"))
-    columns = [int(np.argmin(frame[:HEIGHT, :WIDTH, 1].mean(axis=0))) for frame in frames]
+    count = write_video(path, frames_of(task, recording), lambda done, of: told.append((done, of)))
+    assert count == 31
+    assert told == [(done, 31) for done in range(1, 32)]
+    said, frames = read(path, SIZE[0])
+    assert len(frames) == 31
+    assert frames[0].shape == (SIZE[1], SIZE[0], 3)
+    assert all(word in said for word in ("Video: h264", "yuv420p", "30 fps"))
+    columns = columns_in(frames, task, recording)
     assert columns == sorted(columns)
     assert columns[0] < 15
-    assert columns[-1] > WIDTH - 15
+    assert columns[-1] > SIZE[0] - 15
     assert [file.name for file in tmp_path.iterdir()] == ["video.mp4"]
 
 
-@pytest.mark.parametrize(("duration", "count"), [(0.0, 1), (0.05, 2), (1.0, 21), (1.01, 22), (5.9166667, 120)])
+def test_gif_shows_the_run_and_lasts_as_long(task: Task, recording: Recording, tmp_path: Path) -> None:
+    path = tmp_path / "run.gif"
+    told: list[tuple[int, int]] = []
+    count = write_gif(path, frames_of(task, recording), lambda done, of: told.append((done, of)))
+    assert told[-1] == (count, count)
+    durations, frames = read_gif(path)
+    assert len(frames) == count > 1
+    assert sum(durations) == pytest.approx(1000 * (recording.duration + PAUSE), abs=10)
+    assert path.stat().st_size < LARGEST_FILE
+    columns = columns_in(frames, task, recording)
+    assert columns == sorted(columns)
+    assert columns[0] < 15
+    assert columns[-1] > SIZE[0] - 15
+    assert [file.name for file in tmp_path.iterdir()] == ["run.gif"]
+
+
+def test_gif_of_incompressible_frames_is_kept_small(
+    task: Task, recording: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gif, "LARGEST_FILE", 150_000)
+    path = tmp_path / "run.gif"
+    count = write_gif(path, frames_of(task, recording, Noise))
+    assert 20_000 < path.stat().st_size <= 150_000
+    durations, frames = read_gif(path)
+    assert 1 < len(frames) == count
+    assert sum(durations) == pytest.approx(1000 * (recording.duration + PAUSE), abs=10)
+
+
+def test_gif_has_a_bounded_number_of_frames() -> None:
+    assert gif_times(0.0) == [0.0]
+    for duration in (0.02, 0.5, 6.15, 100.0, 5000.0):
+        times = gif_times(duration)
+        assert times[0] == 0.0
+        assert times[-1] == duration
+        assert np.all(np.diff(times) > 0)
+        assert 1 < len(times) <= 152
+
+
+@pytest.mark.parametrize(
+    ("size", "fitted"), [((1280, 720), (960, 540)), ((800, 450), (800, 450)), ((720, 1280), (304, 540))]
+)
+def test_gif_keeps_the_ratio_of_the_size(size: tuple[int, int], fitted: tuple[int, int]) -> None:
+    assert fit_size(size) == fitted
+
+
+def read_gif(path: Path) -> tuple[list[int], list[Any]]:
+    """Return the duration of each frame [ms], and the frames."""
+    durations, frames = [], []
+    with Image.open(path) as picture:
+        for frame in ImageSequence.Iterator(picture):
+            frames.append(np.asarray(frame.convert("RGB")))
+            durations.append(frame.info["duration"])
+    return durations, frames
+
+
+@pytest.mark.parametrize("name", ["video.mp4", "run.gif", "step-01.png"])
+def test_same_recording_gives_the_same_bytes(task: Task, recording: Recording, tmp_path: Path, name: str) -> None:
+    contents = []
+    for folder in (tmp_path / "one", tmp_path / "other"):
+        folder.mkdir()
+        frames = frames_of(task, recording)
+        # Files that are written before do not change a file.
+        if folder.name == "other" or name.startswith("step"):
+            step_pictures(folder, frames)
+        if not name.startswith("step"):
+            (write_gif if name.endswith("gif") else write_video)(folder / name, frames)
+        contents.append((folder / name).read_bytes())
+    assert contents[0] == contents[1]
+
+
+@pytest.mark.parametrize(("duration", "count"), [(0.0, 1), (0.05, 3), (1.0, 31), (1.01, 32), (5.9166667, 179)])
 def test_frames_come_at_the_frame_rate_and_the_last_at_the_end(
     recording: Recording, duration: float, count: int
 ) -> None:
@@ -112,89 +223,110 @@ def test_frames_come_at_the_frame_rate_and_the_last_at_the_end(
     assert len(times) == count
     assert times[0] == 0.0
     assert times[-1] == duration
-    assert np.all(np.diff(times) <= 0.05 + 1e-9)
+    assert np.all(np.diff(times) <= 1 / 30 + 1e-9)
     assert np.all(np.diff(times) > 0)
 
 
 def test_one_picture_a_step(task: Task, recording: Recording, tmp_path: Path) -> None:
-    paths = step_pictures(tmp_path, task, recording, draw)
+    paths = step_pictures(tmp_path, frames_of(task, recording))
     assert [path.name for path in paths] == ["step-01.png", "step-02.png"]
     assert sorted(tmp_path.iterdir()) == sorted(paths)
     first, second = (np.asarray(Image.open(path)) for path in paths)
-    assert first.shape == second.shape
-    assert not np.array_equal(first[:HEIGHT], second[:HEIGHT])
-    assert not np.array_equal(first[HEIGHT:], second[HEIGHT:])
+    assert first.shape == second.shape == (SIZE[1], SIZE[0], 3)
     # Each picture shows the end of its step: the ball at 0.4 of the path, and at the end of the path.
-    columns = [int(np.argmin(picture[:HEIGHT, :WIDTH, 1].mean(axis=0))) for picture in (first, second)]
-    assert columns[0] == pytest.approx(0.4 * (WIDTH - 10), abs=2)
-    assert columns[1] == WIDTH - 10
+    columns = columns_in((first, second), task, recording)
+    assert columns[0] == pytest.approx(0.4 * (SIZE[0] - 10), abs=2)
+    assert columns[1] == SIZE[0] - 10
+    assert not np.array_equal(first[-30:], second[-30:]), "the captions differ"
 
 
-def test_nothing_is_left_where_drawing_fails(task: Task, recording: Recording, tmp_path: Path) -> None:
-    calls = []
+@pytest.mark.parametrize("write", [write_video, write_gif])
+def test_nothing_is_left_where_drawing_fails(
+    task: Task, recording: Recording, tmp_path: Path, write: Callable[..., Any]
+) -> None:
+    class Fails(Columns):
+        calls = 0
 
-    def fails(state: State) -> Any:
-        calls.append(state)
-        if len(calls) > 3:
-            raise RuntimeError("out of paint")
-        return draw(state)
+        def picture(self, state: State) -> Any:
+            self.calls += 1
+            if self.calls > 3:
+                raise RuntimeError("out of paint")
+            return super().picture(state)
 
     with pytest.raises(RuntimeError, match="out of paint"):
-        write_video(tmp_path / "video.mp4", task, recording, fails)
+        write(tmp_path / "run.mp4", frames_of(task, recording, Fails))
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("write", [write_video, step_pictures])
+@pytest.mark.parametrize("write", [write_video, write_gif, step_pictures])
 def test_folder_that_is_not_there_is_an_input_error(
     task: Task, recording: Recording, tmp_path: Path, write: Callable[..., Any]
 ) -> None:
     with pytest.raises(InputError, match="nowhere"):
-        write(tmp_path / "nowhere" / "video.mp4", task, recording, draw)
+        write(tmp_path / "nowhere" / "video.mp4", frames_of(task, recording))
 
 
-def test_allocation_reads_as_under_the_papers_pictures() -> None:
+def test_allocation_names_the_roles() -> None:
     rolling = BlockInstance("ROLLING-1", "ROLLING", {"hand": "hand", "object": "drum"}, 0, 1, {"region": "goal"})
-    assert allocation(rolling) == "ROLLING-1: hand=hand object=drum -> goal"
-    assert allocation(instance("RESTING-1", "RESTING", "drum", 0, 1)) == "RESTING-1: token=drum"
+    assert allocation(rolling) == "ROLLING: hand=hand, object=drum -> region=goal"
+    assert allocation(replace(rolling, block="ROLLING:fast")).startswith("ROLLING (fast): hand=hand")
+    assert allocation(instance("RESTING-1", "RESTING", "drum", 0, 1)) == "RESTING: token=drum"
 
 
-def test_caption_names_the_step_that_runs(task: Task, recording: Recording) -> None:
-    captions = Captions(task, recording, WIDTH)
+def test_caption_names_the_step_that_runs(recording: Recording) -> None:
+    captions = Captions(recording, "RESTING")
     assert [captions.index_at(time) for time in (0.0, 0.39, 0.4, 0.41, 1.0)] == [0, 0, 1, 1, 1]
+    assert captions.headline(0.41).split() == ["step", "2", "of", "2", "t", "=", "0.41", "s"]
+    assert [each.text for each in captions.paragraphs[0]] == ["WAITING: token=ball", "RESTING: Würfel"]
 
 
-def caption(task: Task, recording: Recording, time: float, width: int = 480) -> Any:
-    picture = np.full((40, width, 3), 240, dtype=np.uint8)
-    return Captions(task, recording, width).under(picture, time)[40:]
-
-
-def coloured(pixels: Any) -> set[str]:
-    """Return which of green and red occur in the pixels."""
-    red, green, blue = (pixels[..., i].astype(int) for i in range(3))
-    found = {"green"} if ((green - red > 60) & (green - blue > 40)).any() else set()
-    return found | ({"red"} if ((red - green > 80) & (red - blue > 80)).any() else set())
-
-
-def test_caption_ends_with_the_verdict(task: Task, recording: Recording) -> None:
+def test_verdict_comes_at_the_end(recording: Recording) -> None:
     missed = replace(recording, goal=(AtomMargin(Atom("near", ("ball", "spot")), -0.1),))
     stopped = replace(recording, failure=Failure(1, "WAITING-1", "nothing came"))
-    assert coloured(caption(task, recording, 0.3)) == set()
-    assert coloured(caption(task, recording, 1.0)) == {"green"}
-    assert coloured(caption(task, missed, 1.0)) == {"red"}
-    assert coloured(caption(task, stopped, 1.0)) == {"red"}
+    texts = {}
+    for run in (recording, missed, stopped):
+        captions = Captions(run, "RESTING")
+        assert captions.verdict(0.3) is None
+        verdict = captions.verdict(1.0)
+        assert verdict is not None
+        texts[verdict.text] = verdict.good
+    assert texts == {"goal reached": True, "goal missed": False, "stopped": False}
 
 
-def test_long_captions_stay_inside_the_picture(task: Task, recording: Recording) -> None:
-    long = BlockInstance(
-        "WAITING-1", "WAITING", {f"slot{i}": f"token{i}" for i in range(12)} | {"last": "x" * 200}, 0.0, 1.0
-    )
-    crowded = replace(recording, instances=(long,))
-    plain, high = (caption(task, r, 0.2, 320) for r in (recording, crowded))
-    assert high.shape[0] > plain.shape[0]
-    # The right margin is empty.
-    assert high[20:, -10:].min() == 255
+@pytest.mark.parametrize("kind", [Strips, Panel])
+def test_verdict_is_in_the_corner_of_the_scene(task: Task, recording: Recording, kind: type[Layout]) -> None:
+    layout = layout_of(task, recording, kind)
+    plain = Image.new("RGB", layout.scene, (240, 240, 240))
+    right, top = layout.corner[0] + layout.scene[0], layout.corner[1]
+    before, after = (layout.frame(plain, time)[top : top + 40, right - 160 : right] for time in (0.3, 1.0))
+    assert before.min() == 240
+    green = (after[..., 1].astype(int) - after[..., 0] > 60).mean()
+    assert green > 0.1
+
+
+@pytest.mark.parametrize("kind", [Strips, Panel])
+@pytest.mark.parametrize("size", [(320, 240), (640, 360), (1280, 720), (400, 1200)])
+def test_long_captions_stay_outside_the_scene_and_inside_the_frame(
+    task: Task, recording: Recording, kind: type[Layout], size: tuple[int, int]
+) -> None:
+    slots = {f"slot{i}": f"token{i}" for i in range(12)} | {"last": "x" * 200}
+    crowded = replace(recording, instances=tuple(BlockInstance(f"W-{i}", "WAITING", slots, 0.0, 1.0) for i in range(9)))
+    for run in (recording, crowded):
+        layout = layout_of(task, run, kind, size)
+        (left, top), (width, height) = layout.corner, layout.scene
+        assert width >= size[0] / 2
+        assert height >= size[1] / 3
+        assert left + width <= size[0]
+        assert top + height <= size[1]
+        frame = layout.frame(Image.new("RGB", layout.scene, (240, 240, 240)), 0.2)
+        assert frame.shape == (size[1], size[0], 3)
+        # The scene and the margin of the frame contain no text.
+        assert (frame[top + 1 : top + height - 1, left + 1 : left + width - 1] == 240).all()
+        assert frame[:2].min() >= 200
+        assert frame[-2:].min() >= 200
 
 
 def test_run_that_never_began_still_gets_a_caption(task: Task, recording: Recording) -> None:
     nothing = replace(recording, instances=(), times=np.zeros(1), states=recording.states[:1])
-    assert caption(task, nothing, 0.0).min() < 100
+    layout = layout_of(task, nothing)
+    assert layout.frame(Image.new("RGB", layout.scene, (255, 255, 255)), 0.0).min() < 100

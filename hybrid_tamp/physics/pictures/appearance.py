@@ -1,27 +1,32 @@
 """Appearance of tokens in pictures. Tokens are coloured meshes, and marks on the meshes make rotations visible."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Solid, solids_of
-from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, disc, joined, solid
+from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, placed_solid, solid
+from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.motion.poses import quaternion_from_rpy
-from hybrid_tamp.physics.pictures.camera import disc_radius
+from hybrid_tamp.physics.pictures.subject import goal_tokens
 
 Colour = tuple[float, float, float]
 """Components red, green and blue, each from 0 to 1."""
 
-HANDS: Sequence[Colour] = ((0.24, 0.44, 0.78), (0.13, 0.60, 0.72), (0.42, 0.38, 0.76), (0.30, 0.30, 0.45))
-THINGS: Sequence[Colour] = ((0.95, 0.65, 0.28), (0.88, 0.42, 0.36), (0.72, 0.50, 0.74), (0.80, 0.72, 0.38))
-PLACES: Sequence[Colour] = ((0.62, 0.85, 0.66), (0.62, 0.80, 0.88), (0.86, 0.82, 0.62))
-_RIM = 0.06
+HANDS: Sequence[Colour] = ((0.16, 0.40, 0.74), (0.45, 0.32, 0.70), (0.05, 0.52, 0.62))
+THINGS: Sequence[Colour] = (
+    *((0.93, 0.58, 0.16), (0.80, 0.28, 0.22), (0.78, 0.45, 0.66)),
+    *((0.90, 0.78, 0.22), (0.55, 0.36, 0.24), (0.45, 0.52, 0.18)),
+)
+GOALS: Sequence[Colour] = ((0.07, 0.60, 0.33),)
+FIXED_GOALS: Sequence[Colour] = ((0.44, 0.76, 0.56),)
+PLACES: Sequence[Colour] = ((0.52, 0.60, 0.68), (0.66, 0.60, 0.50))
+_SHADES = (0.0, 0.32, -0.28, 0.55, -0.5)
 _MARK = 0.35
 _THIN = 0.002
-_HAIRLINE = 0.2
-_SHADE = 0.7
+_DARK = 0.45
+_SEAM = 0.78
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,62 +35,84 @@ class ColouredMesh:
 
     Attributes:
         token: name of the token.
-        mesh: surface to draw.
+        mesh: surface to draw. The surface is convex.
         colour: colour of the surface.
-        flat: whether the mesh is drawn flat on the floor, regardless of the token's height and orientation.
+        mark: whether the mesh is only a mark on another mesh of the token.
     """
 
     token: str
     mesh: Mesh
     colour: Colour
-    flat: bool = False
+    mark: bool = False
+
+
+def choose_colours(task: Task) -> Mapping[str, Colour]:
+    """Map each token to its colour. Tokens with the same classes have shades of the same colour.
+
+    Hands are blue or violet, other objects have warm colours, places in the goal are green, and other places are grey.
+    """
+    groups: dict[tuple[int, str], tuple[Colour, list[str]]] = {}
+    goals = goal_tokens(task)
+    for token in task.tokens:
+        scale = _scale_of(token, goals)
+        key = (id(scale), class_text(token))
+        if key not in groups:
+            groups[key] = (scale[sum(known == id(scale) for known, _ in groups) % len(scale)], [])
+        groups[key][1].append(token.name)
+    return {
+        name: _shaded(colour, _SHADES[number % len(_SHADES)])
+        for colour, names in groups.values()
+        for number, name in enumerate(names)
+    }
+
+
+def legend(task: Task) -> tuple[tuple[str, Colour], ...]:
+    """Return pairs of (classes, colour) in the order of the tokens. The classes of several tokens occur once."""
+    found: dict[tuple[int, str], tuple[str, Colour]] = {}
+    colours, goals = choose_colours(task), goal_tokens(task)
+    for token in task.tokens:
+        text, goal = class_text(token), token.place and token.name in goals
+        found.setdefault((id(_scale_of(token, goals)), text), (f"{text} (goal)" if goal else text, colours[token.name]))
+    return tuple(found.values())
+
+
+def class_text(token: Token) -> str:
+    """Return the names of the token's classes, e.g. ``GRASPABLE, STRIKER``, without the class of all tokens."""
+    named = [each.name for each in token.classes if each is not TOKEN]
+    return ", ".join(named) or ("unknown class" if token.unknown else TOKEN.name)
 
 
 def draw_tokens(task: Task) -> list[ColouredMesh]:
-    """Return the meshes of all tokens. Hands are blue, other objects have warm colours, and places are green."""
-    found: list[ColouredMesh] = []
-    counts: dict[int, int] = {}
-    for token in task.tokens:
-        shades = PLACES if token.place else HANDS if token.basic_actions else THINGS
-        count = counts.get(id(shades), 0)
-        counts[id(shades)] = count + 1
-        found += _draw_token(token, shades[count % len(shades)])
-    return found
+    """Return the meshes of all tokens with a shape."""
+    colours = choose_colours(task)
+    return [each for token in task.tokens for each in _draw_token(token, colours[token.name])]
 
 
-def _draw_token(token: Token, colour: Colour) -> list[ColouredMesh]:
-    dark = _darker(colour, 0.5)
+def _scale_of(token: Token, goals: frozenset[str]) -> Sequence[Colour]:
+    if token.place:
+        if token.name not in goals:
+            return PLACES
+        # A large body is paler than a disc, so that smaller objects remain conspicuous.
+        return GOALS if token.shape is None else FIXED_GOALS
+    return HANDS if token.basic_actions else THINGS
+
+
+def _draw_token(token: Token, colour: Colour) -> Iterator[ColouredMesh]:
     if token.shape is None:
-        radius = disc_radius(token)
-        # The rim is slightly above the floor, and the disc is slightly above the rim, to avoid flicker.
-        rim = disc(radius).moved([0, 0, _THIN])
-        inner = disc(radius * (1 - _RIM)).moved([0, 0, 2 * _THIN])
-        green = _darker(colour, 0.6)
-        return [
-            ColouredMesh(token.name, _cross(radius), green, True),
-            ColouredMesh(token.name, rim, green, True),
-            ColouredMesh(token.name, inner, colour, True),
-        ]
+        return
     if isinstance(token.shape, Compound | MeshShape):
-        return _compound(token.name, token.shape, colour)
-    body = ColouredMesh(token.name, solid(token.shape), colour)
-    if token.place or token.basic_actions:
-        return [body]
-    return [body, ColouredMesh(token.name, _mark(token.shape), dark)]
+        yield from _compound(token.name, token.shape, colour)
+        return
+    yield ColouredMesh(token.name, solid(token.shape), colour)
+    if not token.place and not token.basic_actions:
+        yield ColouredMesh(token.name, _mark(token.shape), _shaded(colour, -_DARK), mark=True)
 
 
-def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> list[ColouredMesh]:
-    """Return one mesh per convex solid of a shape. Two alternating shades make rotations of the shape visible."""
-    solids = solids_of(shape)
-    meshes = [solid(each).turned(quaternion_from_rpy(each.rpy)).moved(each.position) for each in solids]
-    shades = (colour, _darker(colour, _SHADE))
-    return [ColouredMesh(name, mesh, shades[number % 2]) for number, mesh in enumerate(meshes)]
-
-
-def _cross(radius: float) -> Mesh:
-    """Return two crossed hairlines that extend beyond the disc of a place. An object on the disc does not hide them."""
-    arm = radius + _HAIRLINE
-    return joined(box((arm, _THIN, _THIN / 2)), box((_THIN, arm, _THIN / 2)))
+def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> Iterator[ColouredMesh]:
+    """Yield one mesh per convex solid of a shape. Two alternating shades make rotations of the shape visible."""
+    shades = (colour, _shaded(colour, _SEAM - 1))
+    for number, each in enumerate(solids_of(shape)):
+        yield ColouredMesh(name, placed_solid(each), shades[number % 2])
 
 
 def _mark(shape: Solid) -> Mesh:
@@ -98,6 +125,8 @@ def _mark(shape: Solid) -> Mesh:
     return cylinder(shape.radius * 1.004, shape.radius * 0.12)
 
 
-def _darker(colour: Colour, factor: float) -> Colour:
-    red, green, blue = (channel * factor for channel in colour)
+def _shaded(colour: Colour, amount: float) -> Colour:
+    """Return the colour mixed with white (`amount` up to 1) or with black (`amount` down to -1)."""
+    end = 1.0 if amount > 0 else 0.0
+    red, green, blue = (channel + abs(amount) * (end - channel) for channel in colour)
     return (red, green, blue)

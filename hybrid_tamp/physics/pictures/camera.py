@@ -1,27 +1,20 @@
-"""A camera that shows all tokens during a whole run."""
+"""A camera that shows given spheres."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, solids_of
-from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 FIELD_OF_VIEW = np.radians(32.0)
 """Vertical angle of view [rad]."""
-ELEVATION = np.radians(30.0)
+ELEVATION = np.radians(26.0)
 """Angle of the camera above the horizontal [rad]."""
-TURN = np.radians(18.0)
+TURN = np.radians(13.0)
 """Horizontal angle between the view and the normal of the motion [rad]. The angle gives the picture depth."""
-SPARE = 1.08
+SPARE = 1.06
 """Factor by which the camera's distance is increased, so that the picture has a margin around the spheres."""
-_DISC = 0.05
-_ROWS = 200
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -57,39 +50,7 @@ class Spheres:
         return (self.centres - reach).min(axis=0), (self.centres + reach).max(axis=0)
 
 
-def spheres_of(task: Task, recording: Recording) -> Spheres:
-    """Return the bounding spheres of all tokens at up to 200 instants of the run."""
-    rows = np.unique(np.linspace(0, len(recording.times) - 1, _ROWS).astype(int))
-    run = recording.trajectory
-    centres = [run[token, "position"][rows] for token in task.tokens]
-    radii = [np.full(len(rows), bounding_radius(token)) for token in task.tokens]
-    return Spheres(np.concatenate(centres), np.concatenate(radii))
-
-
-def bounding_radius(token: Token) -> float:
-    """Return the radius [m] of a sphere about a token's origin that contains all meshes of the token."""
-    if token.shape is None:
-        return disc_radius(token)
-    return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
-
-
-def _radius(shape: Solid | Hull) -> float:
-    if isinstance(shape, Hull):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    if isinstance(shape, Cylinder):
-        return float(np.hypot(shape.radius, shape.length / 2))
-    if isinstance(shape, Box):
-        return float(np.linalg.norm(shape.half_extents))
-    return shape.radius
-
-
-def disc_radius(token: Token) -> float:
-    """Return the radius [m] of the disc that is drawn for a token without a shape."""
-    radius = token.properties.get("radius", _DISC)
-    return float(radius)
-
-
-def frame_camera(spheres: Spheres, aspect: float) -> Camera:
+def frame_camera(spheres: Spheres, aspect: float, turn: float = TURN, elevation: float = ELEVATION) -> Camera:
     """Return the nearest camera that shows all spheres. The longest extent of the spheres appears horizontal.
 
     Let (x, y, z) be the centre of a sphere relative to the target, along the axes right, up and backward. Let D be the
@@ -100,8 +61,10 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
     Args:
         spheres: spheres to show.
         aspect: ratio of the picture's width to its height.
+        turn: horizontal angle between the view and the normal of the motion [rad].
+        elevation: angle of the camera above the horizontal [rad].
     """
-    right, up, back = _axes(spheres.centres)
+    right, up, back = _axes(spheres.centres, turn, elevation)
     vertical = FIELD_OF_VIEW / 2
     horizontal = np.arctan(np.tan(vertical) * aspect)
     middle = np.mean(spheres.bounds, axis=0)
@@ -118,7 +81,7 @@ def frame_camera(spheres: Spheres, aspect: float) -> Camera:
     return Camera(target + back * max(distances) * SPARE, target)
 
 
-def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _axes(points: NDArray[np.float64], turn: float, elevation: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most along the first vector."""
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
@@ -126,8 +89,8 @@ def _axes(points: NDArray[np.float64]) -> tuple[FloatArray, FloatArray, FloatArr
     # The sign is chosen so that the direction points to positive x, or to positive y if x is zero.
     if (along[0], along[1]) < (-along[0], -along[1]):
         along = -along
-    cos, sin = np.cos(TURN), np.sin(TURN)
+    cos, sin = np.cos(turn), np.sin(turn)
     right = np.array([cos * along[0] - sin * along[1], sin * along[0] + cos * along[1], 0.0])
     away = np.cross(_UP, right)
-    back = -np.cos(ELEVATION) * away + np.sin(ELEVATION) * _UP
+    back = -np.cos(elevation) * away + np.sin(elevation) * _UP
     return right, np.cross(back, right), back

@@ -1,0 +1,41 @@
+"""Sizes of tokens in pictures: bounding boxes, bounding spheres, and discs of tokens without a shape."""
+
+import numpy as np
+
+from hybrid_tamp.geometry.meshes import Hull
+from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, solids_of
+from hybrid_tamp.geometry.triangles import placed_solid
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.motion.arrays import FloatArray
+
+_DISC = 0.05
+
+
+def bounding_box(token: Token) -> tuple[FloatArray, FloatArray]:
+    """Return the centre and the half extents of a token's bounding box in its body frame, each ``(3,)`` [m]."""
+    vertices = np.concatenate([placed_solid(each).vertices for each in solids_of(token.solid)])
+    lower, upper = vertices.min(axis=0), vertices.max(axis=0)
+    return (lower + upper) / 2, (upper - lower) / 2
+
+
+def bounding_radius(token: Token) -> float:
+    """Return the radius [m] of a sphere about a token's origin that contains all meshes of the token."""
+    if token.shape is None:
+        return disc_radius(token)
+    return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
+
+
+def _radius(shape: Solid | Hull) -> float:
+    if isinstance(shape, Hull):
+        return float(np.linalg.norm(shape.vertices, axis=1).max())
+    if isinstance(shape, Cylinder):
+        return float(np.hypot(shape.radius, shape.length / 2))
+    if isinstance(shape, Box):
+        return float(np.linalg.norm(shape.half_extents))
+    return shape.radius
+
+
+def disc_radius(token: Token) -> float:
+    """Return the radius [m] of the disc that is drawn for a token without a shape."""
+    radius = token.properties.get("radius", _DISC)
+    return float(radius)
