@@ -1,0 +1,207 @@
+"""The courses of wires along the lines of a lattice.
+
+Each wire becomes a tree of short paths (Dijkstra's algorithm) that bend and cross other wires as seldom as possible. Wires
+never share a line. Since a wire is routed around those before it, each wire is removed and routed again several times.
+"""
+
+import heapq
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.report.drawing.lattice import HORIZONTAL, VERTICAL, Lattice
+from hybrid_tamp.report.drawing.wires import Wire
+
+_CROSSING, _BEND, _WRONG_SIDE, _BAR, _EDGE_PIN = 30.0, 4.0, 8.0, 6.0, 0.4
+"""Costs in units of the grid: of a crossing, of a bend, of a pin on the side against the direction of the flow, of an
+additional end at the bar, and of a pin beside the middle of its slot."""
+_PASSES = 3
+End = tuple[SlotName, bool]
+"""An end of a wire: a slot, and whether tokens enter this slot."""
+_AT_BAR: End = (("", ""), True)
+"""The end at the bar of a wire that also connects other slots."""
+_TAKEN = 2
+"""State of a node at which no other wire may cross."""
+
+
+class NoCourse(Exception):
+    """A wire found no course, because the space between the boxes is full."""
+
+
+@dataclass
+class Course:
+    """The course of a wire.
+
+    Attributes:
+        lines: pairs of neighbouring nodes.
+        pins: maps each end at a slot, as a pair of (slot, whether it is a target), to its node.
+        cost: length of the lines with the costs of bends and crossings.
+    """
+
+    lines: list[tuple[int, int, int]] = field(default_factory=list)
+    pins: dict[End, int] = field(default_factory=dict)
+    cost: float = 0.0
+
+    @property
+    def nodes(self) -> dict[int, int]:
+        """Maps each node to the direction in which the wire passes straight through, or to `_TAKEN`."""
+        directions: dict[int, list[int]] = {}
+        for one, other, direction in self.lines:
+            directions.setdefault(one, []).append(direction)
+            directions.setdefault(other, []).append(direction)
+        return {node: d[0] if len(d) == 2 and d[0] == d[1] else _TAKEN for node, d in directions.items()}
+
+
+class Router:
+    """Routes the wires of a diagram on a lattice."""
+
+    def __init__(self, lattice: Lattice, wires: Iterable[Wire]) -> None:
+        self._lattice = lattice
+        self._wires = tuple(wires)
+        self._courses: dict[Wire, Course] = {}
+        self._passed: dict[int, int] = {}
+        self._lines: set[tuple[int, int]] = set()
+
+    def route(self) -> dict[Wire, Course]:
+        """Return the courses of all wires.
+
+        Raises:
+            NoCourse: a wire found no course.
+        """
+        order = sorted(self._wires, key=lambda wire: (len(wire.sources) + len(wire.targets), wire.edges))
+        best: tuple[float, dict[Wire, Course]] = (float("inf"), {})
+        for number in range(_PASSES):
+            for wire in order:
+                self._courses.pop(wire, None)
+                self._occupy()
+                self._courses[wire] = self._grow(wire)
+            total = self.cost
+            if total < best[0]:
+                best = total, dict(self._courses)
+            elif number:
+                break
+        self._courses = best[1]
+        return best[1]
+
+    @property
+    def cost(self) -> float:
+        """Total cost of the courses."""
+        length = sum(course.cost for course in self._courses.values())
+        return length + _CROSSING * count_crossings(self._courses.values())
+
+    def _occupy(self) -> None:
+        """Find out which nodes and lines the present courses use."""
+        self._passed, self._lines = {}, set()
+        for course in self._courses.values():
+            for node, state in course.nodes.items():
+                self._passed[node] = _TAKEN if node in self._passed else state
+            self._lines |= {line for one, other, _ in course.lines for line in ((one, other), (other, one))}
+
+    def _grow(self, wire: Wire) -> Course:
+        """Return the course of a wire, which grows from one of its ends until it reaches all other ends."""
+        slots, course = self._lattice.pins, Course()
+        out = [(slot, False) for slot in wire.sources if slot in slots]
+        into = [(slot, True) for slot in wire.targets if slot in slots]
+        if not out or not into:  # each end may have its own line to the bar
+            self._reach(wire, course, dict(self._bar), [*out, *into])
+            return course
+        start, *others = [*out, *into]
+        if len(others) + 1 < len(wire.sources) + len(wire.targets):
+            others.append(_AT_BAR)
+        path, end = self._reach_next(wire, course, self._options(wire, start), others)
+        course.pins[start] = path[0]
+        self._reach(wire, course, self._free(path), [other for other in others if other != end])
+        return course
+
+    @property
+    def _bar(self) -> dict[int, float]:
+        return {node: _BAR for node in self._lattice.bar if node not in self._passed}
+
+    def _free(self, path: list[int]) -> dict[int, float]:
+        """Return the nodes of a path at which a line can branch off."""
+        return {node: 0.0 for node in path[1:-1] if node not in self._passed}
+
+    def _reach(self, wire: Wire, course: Course, tree: dict[int, float], ends: Iterable[End]) -> None:
+        """Extend a course from the nodes of its tree to all given ends."""
+        waiting = list(ends)
+        while waiting:
+            path, end = self._reach_next(wire, course, tree, waiting)
+            waiting.remove(end)
+            tree |= self._free(path)
+
+    def _reach_next(
+        self, wire: Wire, course: Course, tree: Mapping[int, float], ends: Iterable[End]
+    ) -> tuple[list[int], End]:
+        """Extend a course from a tree to the nearest of several ends. Return the new path and its end."""
+        goals = {node: (end, cost) for end in ends for node, cost in self._options(wire, end).items()}
+        path, cost = self._search(tree, {node: extra for node, (_, extra) in goals.items()})
+        end = goals[path[-1]][0]
+        if end != _AT_BAR:
+            course.pins[end] = path[-1]
+        course.cost += cost
+        course.lines += self._lines_of(path)
+        return path, end
+
+    def _options(self, wire: Wire, end: End) -> Mapping[int, float]:
+        """Map each free node of an end to its cost."""
+        if end == _AT_BAR:
+            return self._bar
+        slot, into = end
+        nodes = self._lattice.pins[slot]
+        middle, wanted = (len(nodes) // 2 - 1) / 2, -1 if into else 1
+        # A token may also remain in a slot. Its wire leaves the slot on the right and comes back on the left.
+        loop, either = slot in wire.sources and slot in wire.targets, wire.both_ways
+        wrong = {node for node in nodes if self._lattice.side(node) != wanted}
+        return {
+            node: _EDGE_PIN * abs(index // 2 - middle) + _WRONG_SIDE * (node in wrong and not either)
+            for index, node in enumerate(nodes)
+            if node not in self._passed and not (loop and node in wrong)
+        }
+
+    def _lines_of(self, path: list[int]) -> list[tuple[int, int, int]]:
+        found = []
+        for one, other in zip(path, path[1:], strict=False):
+            direction = next(d for node, d, _ in self._lattice.steps[one] if node == other)
+            found.append((one, other, direction))
+        return found
+
+    def _search(self, starts: Mapping[int, float], goals: Mapping[int, float]) -> tuple[list[int], float]:
+        """Return the cheapest path from a start to a goal, and its cost. Values are the costs of starts and goals."""
+        steps, passed, lines = self._lattice.steps, self._passed, self._lines
+        best = {(node, direction): cost for node, cost in starts.items() for direction in (HORIZONTAL, VERTICAL)}
+        before: dict[tuple[int, int], tuple[int, int]] = {}
+        heap = [(cost, *state) for state, cost in best.items()]
+        heapq.heapify(heap)
+        while heap:
+            cost, node, direction = heapq.heappop(heap)
+            if node < 0:
+                return _path((-node - 1, direction), before), cost
+            if cost > best[node, direction]:
+                continue
+            if node in goals:
+                heapq.heappush(heap, (cost + goals[node], -node - 1, direction))
+                continue
+            for other, turned, length in steps[node]:
+                state = passed.get(other)
+                if (node, other) in lines or state in (_TAKEN, turned) or (turned != direction and node in passed):
+                    continue
+                new = cost + length + _BEND * (turned != direction) + _CROSSING * (state is not None)
+                if new < best.get((other, turned), float("inf")):
+                    best[other, turned] = new
+                    before[other, turned] = (node, direction)
+                    heapq.heappush(heap, (new, other, turned))
+        raise NoCourse
+
+
+def _path(state: tuple[int, int], before: Mapping[tuple[int, int], tuple[int, int]]) -> list[int]:
+    path = [state[0]]
+    while state in before:
+        state = before[state]
+        path.append(state[0])
+    return path[::-1]
+
+
+def count_crossings(courses: Collection[Course]) -> int:
+    """Return at how many nodes two wires cross."""
+    passed = [node for course in courses for node in course.nodes]
+    return len(passed) - len(set(passed))
