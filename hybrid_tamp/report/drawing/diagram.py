@@ -7,7 +7,7 @@ from functools import cached_property
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.network import SlotName
-from hybrid_tamp.report.drawing.wires import Wire, join_edges
+from hybrid_tamp.report.drawing.wires import Edge, Wire, join_edges
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,26 @@ class Box:
     slots: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Mark:
+    """The path of a token through the network.
+
+    Attributes:
+        token: name of the token.
+        slots: slots of the token in a plan, in the order of time.
+        steps: steps of the plan during which the token is in each slot, as pairs of (first, last).
+    """
+
+    token: str
+    slots: tuple[SlotName, ...]
+    steps: tuple[tuple[int, int], ...]
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """Edges along which the token passes, in the order of time."""
+        return tuple(zip(self.slots, self.slots[1:], strict=False))
+
+
 @dataclass(frozen=True, eq=False)
 class Diagram:
     """The blocks and wires of a network.
@@ -34,6 +54,7 @@ class Diagram:
         wires: wires that together represent every edge exactly once.
         class_of: maps each slot to the name of its class.
         classes: names of the classes of the whole domain, which determine the colours.
+        marks: paths of tokens that are marked.
     """
 
     title: str
@@ -42,6 +63,7 @@ class Diagram:
     wires: tuple[Wire, ...]
     class_of: dict[SlotName, str]
     classes: tuple[str, ...]
+    marks: tuple[Mark, ...] = ()
 
     @cached_property
     def bar_slots(self) -> frozenset[SlotName]:
@@ -54,31 +76,37 @@ class Diagram:
         shown = set(self.class_of.values())
         return tuple(name for name in self.classes if name in shown)
 
+    @cached_property
+    def passed(self) -> dict[Edge, tuple[str, ...]]:
+        """Maps each edge on a marked path to the names of the tokens that pass."""
+        edges = sorted({edge for mark in self.marks for edge in mark.edges})
+        return {edge: tuple(mark.token for mark in self.marks if edge in mark.edges) for edge in edges}
+
+    @cached_property
+    def busy(self) -> dict[str, tuple[int, ...]]:
+        """Maps each block on a marked path to the steps of the plan during which tokens are in the block."""
+        found: dict[str, set[int]] = {}
+        for mark in self.marks:
+            for (block, _), (first, last) in zip(mark.slots, mark.steps, strict=True):
+                found.setdefault(block, set()).update(range(first, last + 1))
+        return {block: tuple(sorted(steps)) for block, steps in found.items()}
+
     def wire_class(self, wire: Wire) -> str | None:
         """Return the class of the tokens in a wire, or None if the slots at its ends have different classes."""
         ends = {self.class_of[slot] for slot in (*wire.sources, *wire.targets) if slot not in self.bar_slots}
         return ends.pop() if len(ends) == 1 else None
 
 
-def make_diagram(domain: Domain, blocks: Iterable[str] | None = None) -> Diagram:
-    """Return the diagram of a domain's network.
-
-    Args:
-        domain: the whole domain, so that a class has the same colour in all drawings.
-        blocks: names of the blocks to draw; by default all blocks. The resting block is always drawn.
-    """
-    kept = set(domain.block_by_name if blocks is None else blocks) | {domain.resting}
-    shown = [block for block in domain.blocks if block.name in kept]
-    class_of = {(block.name, slot.name): slot.object_class.name for block in shown for slot in block.slots}
+def make_diagram(domain: Domain, marks: Iterable[Mark] = ()) -> Diagram:
+    """Return the diagram of a domain's network, with the paths of a plan's tokens."""
+    class_of = {(block.name, slot.name): slot.object_class.name for block in domain.blocks for slot in block.slots}
 
     def label(slot: SlotName, other: SlotName) -> str:
         # Tokens of all classes rest in one slot. Each class has wires of its own, so that a wire has one colour.
         return class_of[other] if slot[0] == domain.resting else ""
 
-    boxes = {block.name: Box(block.name, tuple(slot.name for slot in block.slots)) for block in shown}
+    boxes = {block.name: Box(block.name, tuple(slot.name for slot in block.slots)) for block in domain.blocks}
     bar = boxes.pop(domain.resting)
-    classes = tuple(each.name for each in domain.classes if each is not TOKEN)
-    network = domain.network.restrict(kept)
-    return Diagram(
-        domain.name, tuple(boxes.values()), bar, join_edges(network.edges, label), class_of, (*classes, TOKEN.name)
-    )
+    classes = (*(each.name for each in domain.classes if each is not TOKEN), TOKEN.name)
+    wires = join_edges(domain.network.edges, label)
+    return Diagram(domain.name, tuple(boxes.values()), bar, wires, class_of, classes, tuple(marks))

@@ -14,6 +14,8 @@ from hybrid_tamp.report.drawing.wires import Wire
 Point = tuple[float, float]
 _SEED, _PLACEMENTS = 0, 6
 """Seed of the search for placements, and number of placements for which wires are routed. The best drawing is kept."""
+_IMPROVED = 2
+"""Number of the cheapest drawings that are improved."""
 _LANES = 8
 """Number of vertical lines between two columns, unless the wires need more."""
 BAR_HEIGHT = 6
@@ -71,23 +73,26 @@ class Layout:
 def lay_out(diagram: Diagram) -> Layout:
     """Return the layout of a diagram. Equal diagrams have equal layouts."""
     sizes = Sizes.of(diagram)
-    placements = place_boxes(sizes, _SEED, _PLACEMENTS)
-    lanes = _LANES
-    while not (routed := [*_routed(diagram, [Lattice(sizes, placement, lanes) for placement in placements])]):
+    placements, lanes = place_boxes(sizes, _SEED, _PLACEMENTS), _LANES
+    while not (routers := [*_routers([Lattice(sizes, placement, lanes) for placement in placements])]):
         lanes *= 2
-    _, lattice, courses = min(routed, key=lambda each: each[0])
-    return _Positions(lattice, courses).layout()
+    best = sorted(routers, key=lambda router: router.cost)[:_IMPROVED]
+    for router in best:
+        router.improve()
+    router = min(best, key=lambda router: router.cost)
+    return _Positions(router.lattice, router.courses).layout()
 
 
-def _routed(diagram: Diagram, lattices: Iterable[Lattice]) -> Iterator[tuple[float, Lattice, Mapping[Wire, Course]]]:
-    """Yield the cost and the courses for each lattice with enough space for all wires."""
+def _routers(lattices: Iterable[Lattice]) -> Iterator[Router]:
+    """Yield routers with courses for each lattice that has enough space for all wires."""
     for lattice in lattices:
-        router = Router(lattice, diagram.wires)
-        try:
-            courses = router.route()
-        except NoCourse:
-            continue
-        yield router.cost, lattice, courses
+        for largest_first in (False, True):
+            router = Router(lattice)
+            try:
+                router.route(largest_first=largest_first)
+            except NoCourse:
+                continue
+            yield router
 
 
 class _Positions:
@@ -118,7 +123,7 @@ class _Positions:
         lattice, kept = self._lattice, set(used)
         for box in self._sizes.diagram.boxes:
             top = lattice.tops[box.block]
-            kept |= set(range(top, top + self._sizes.height(box) + 2))
+            kept |= set(range(top - 1, top + self._sizes.height(box) + 2))
         kept |= {lattice.rows - 1, lattice.rows - 2}
         ys, y = [], 0.0
         for row in range(lattice.rows + 1):

@@ -15,7 +15,6 @@ from hybrid_tamp.report.drawing.wires import Wire
 _CROSSING, _BEND, _WRONG_SIDE, _BAR, _EDGE_PIN = 30.0, 4.0, 8.0, 6.0, 0.4
 """Costs in units of the grid: of a crossing, of a bend, of a pin on the side against the direction of the flow, of an
 additional end at the bar, and of a pin beside the middle of its slot."""
-_PASSES = 3
 End = tuple[SlotName, bool]
 """An end of a wire: a slot, and whether tokens enter this slot."""
 _AT_BAR: End = (("", ""), True)
@@ -35,71 +34,110 @@ class Course:
     Attributes:
         lines: pairs of neighbouring nodes.
         pins: maps each end at a slot, as a pair of (slot, whether it is a target), to its node.
-        cost: length of the lines with the costs of bends and crossings.
+        extra: costs of the pins.
     """
 
     lines: list[tuple[int, int, int]] = field(default_factory=list)
     pins: dict[End, int] = field(default_factory=dict)
-    cost: float = 0.0
+    extra: float = 0.0
+
+    @property
+    def bends(self) -> int:
+        """Number of nodes at which horizontal and vertical lines meet."""
+        return len({node for node, d in self._directions.items() if len(set(d)) > 1})
 
     @property
     def nodes(self) -> dict[int, int]:
         """Maps each node to the direction in which the wire passes straight through, or to `_TAKEN`."""
+        return {node: d[0] if len(d) == 2 and d[0] == d[1] else _TAKEN for node, d in self._directions.items()}
+
+    @property
+    def _directions(self) -> dict[int, list[int]]:
         directions: dict[int, list[int]] = {}
         for one, other, direction in self.lines:
             directions.setdefault(one, []).append(direction)
             directions.setdefault(other, []).append(direction)
-        return {node: d[0] if len(d) == 2 and d[0] == d[1] else _TAKEN for node, d in directions.items()}
+        return directions
 
 
 class Router:
-    """Routes the wires of a diagram on a lattice."""
+    """Routes the wires of a diagram on a lattice.
 
-    def __init__(self, lattice: Lattice, wires: Iterable[Wire]) -> None:
-        self._lattice = lattice
-        self._wires = tuple(wires)
-        self._courses: dict[Wire, Course] = {}
+    Attributes:
+        lattice: the lattice.
+        courses: maps each wire to its course.
+    """
+
+    def __init__(self, lattice: Lattice) -> None:
+        self.lattice = lattice
+        wires = lattice.sizes.diagram.wires
+        self._wires = sorted(wires, key=lambda wire: (len(wire.sources) + len(wire.targets), wire.edges))
+        self.courses: dict[Wire, Course] = {}
         self._passed: dict[int, int] = {}
         self._lines: set[tuple[int, int]] = set()
 
-    def route(self) -> dict[Wire, Course]:
-        """Return the courses of all wires.
+    def route(self, *, largest_first: bool) -> None:
+        """Route all wires twice, in the order of their numbers of ends.
 
         Raises:
             NoCourse: a wire found no course.
         """
-        order = sorted(self._wires, key=lambda wire: (len(wire.sources) + len(wire.targets), wire.edges))
-        best: tuple[float, dict[Wire, Course]] = (float("inf"), {})
-        for number in range(_PASSES):
-            for wire in order:
-                self._courses.pop(wire, None)
-                self._occupy()
-                self._courses[wire] = self._grow(wire)
-            total = self.cost
-            if total < best[0]:
-                best = total, dict(self._courses)
-            elif number:
-                break
-        self._courses = best[1]
-        return best[1]
+        for wire in (self._wires[::-1] if largest_first else self._wires) * 2:
+            self._renew([wire])
+
+    def improve(self) -> None:
+        """Route wires again together with the wires that they cross, as long as the cost decreases."""
+        cost, improved = self.cost, True
+        while improved:
+            improved = False
+            for wire in sorted(self._wires, key=lambda each: (-len(self._crossed(each)), each.edges)):
+                kept = dict(self.courses)
+                try:
+                    self._renew([wire, *self._crossed(wire)])
+                except NoCourse:
+                    self.courses = kept
+                    continue
+                new = self.cost
+                if new < cost - 1e-6:
+                    cost, improved = new, True
+                else:
+                    self.courses = kept
 
     @property
     def cost(self) -> float:
         """Total cost of the courses."""
-        length = sum(course.cost for course in self._courses.values())
-        return length + _CROSSING * count_crossings(self._courses.values())
+        lengths = {(one, other): length for one, steps in self.lattice.steps.items() for other, _, length in steps}
+        lines = [line for course in self.courses.values() for line in course.lines]
+        bends = sum(course.bends for course in self.courses.values())
+        ends = sum(self.lattice.is_bar(node) for one, other, _ in lines for node in (one, other))
+        length = sum(lengths[one, other] for one, other, _ in lines)
+        wrong = sum(course.extra for course in self.courses.values())
+        return length + wrong + _BEND * bends + _BAR * ends + _CROSSING * count_crossings(self.courses.values())
+
+    def _crossed(self, wire: Wire) -> list[Wire]:
+        mine = set(self.courses[wire].nodes)
+        return [other for other in self._wires if other != wire and not mine.isdisjoint(self.courses[other].nodes)]
+
+    def _renew(self, wires: Iterable[Wire]) -> None:
+        """Remove the courses of some wires, and route these wires again in the given order."""
+        wires = list(wires)
+        for wire in wires:
+            self.courses.pop(wire, None)
+        for wire in wires:
+            self._occupy()
+            self.courses[wire] = self._grow(wire)
 
     def _occupy(self) -> None:
         """Find out which nodes and lines the present courses use."""
         self._passed, self._lines = {}, set()
-        for course in self._courses.values():
+        for course in self.courses.values():
             for node, state in course.nodes.items():
                 self._passed[node] = _TAKEN if node in self._passed else state
             self._lines |= {line for one, other, _ in course.lines for line in ((one, other), (other, one))}
 
     def _grow(self, wire: Wire) -> Course:
         """Return the course of a wire, which grows from one of its ends until it reaches all other ends."""
-        slots, course = self._lattice.pins, Course()
+        slots, course = self.lattice.pins, Course()
         out = [(slot, False) for slot in wire.sources if slot in slots]
         into = [(slot, True) for slot in wire.targets if slot in slots]
         if not out or not into:  # each end may have its own line to the bar
@@ -110,12 +148,13 @@ class Router:
             others.append(_AT_BAR)
         path, end = self._reach_next(wire, course, self._options(wire, start), others)
         course.pins[start] = path[0]
+        course.extra += self._options(wire, start)[path[0]]
         self._reach(wire, course, self._free(path), [other for other in others if other != end])
         return course
 
     @property
     def _bar(self) -> dict[int, float]:
-        return {node: _BAR for node in self._lattice.bar if node not in self._passed}
+        return {node: _BAR for node in self.lattice.bar if node not in self._passed}
 
     def _free(self, path: list[int]) -> dict[int, float]:
         """Return the nodes of a path at which a line can branch off."""
@@ -134,11 +173,11 @@ class Router:
     ) -> tuple[list[int], End]:
         """Extend a course from a tree to the nearest of several ends. Return the new path and its end."""
         goals = {node: (end, cost) for end in ends for node, cost in self._options(wire, end).items()}
-        path, cost = self._search(tree, {node: extra for node, (_, extra) in goals.items()})
+        path = self._search(tree, {node: extra for node, (_, extra) in goals.items()})
         end = goals[path[-1]][0]
         if end != _AT_BAR:
             course.pins[end] = path[-1]
-        course.cost += cost
+        course.extra += goals[path[-1]][1] if end != _AT_BAR else 0.0
         course.lines += self._lines_of(path)
         return path, end
 
@@ -147,11 +186,11 @@ class Router:
         if end == _AT_BAR:
             return self._bar
         slot, into = end
-        nodes = self._lattice.pins[slot]
+        nodes = self.lattice.pins[slot]
         middle, wanted = (len(nodes) // 2 - 1) / 2, -1 if into else 1
         # A token may also remain in a slot. Its wire leaves the slot on the right and comes back on the left.
         loop, either = slot in wire.sources and slot in wire.targets, wire.both_ways
-        wrong = {node for node in nodes if self._lattice.side(node) != wanted}
+        wrong = {node for node in nodes if self.lattice.side(node) != wanted}
         return {
             node: _EDGE_PIN * abs(index // 2 - middle) + _WRONG_SIDE * (node in wrong and not either)
             for index, node in enumerate(nodes)
@@ -161,13 +200,13 @@ class Router:
     def _lines_of(self, path: list[int]) -> list[tuple[int, int, int]]:
         found = []
         for one, other in zip(path, path[1:], strict=False):
-            direction = next(d for node, d, _ in self._lattice.steps[one] if node == other)
+            direction = next(d for node, d, _ in self.lattice.steps[one] if node == other)
             found.append((one, other, direction))
         return found
 
-    def _search(self, starts: Mapping[int, float], goals: Mapping[int, float]) -> tuple[list[int], float]:
-        """Return the cheapest path from a start to a goal, and its cost. Values are the costs of starts and goals."""
-        steps, passed, lines = self._lattice.steps, self._passed, self._lines
+    def _search(self, starts: Mapping[int, float], goals: Mapping[int, float]) -> list[int]:
+        """Return the cheapest path from a start to a goal. Values are the costs of starts and goals."""
+        steps, passed, lines = self.lattice.steps, self._passed, self._lines
         best = {(node, direction): cost for node, cost in starts.items() for direction in (HORIZONTAL, VERTICAL)}
         before: dict[tuple[int, int], tuple[int, int]] = {}
         heap = [(cost, *state) for state, cost in best.items()]
@@ -175,7 +214,7 @@ class Router:
         while heap:
             cost, node, direction = heapq.heappop(heap)
             if node < 0:
-                return _path((-node - 1, direction), before), cost
+                return _path((-node - 1, direction), before)
             if cost > best[node, direction]:
                 continue
             if node in goals:
