@@ -15,7 +15,9 @@ def network(
     of: Annotated[str, typer.Argument(metavar="TASK|DOMAIN", help="a task or a domain (name, module or .py file)")],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", metavar="FILE", help="drawing to write: .svg, .png, .dot (Graphviz) or .mmd (Mermaid)"),
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="drawing to write: .svg, .png, .dot (Graphviz) or .mmd (Mermaid)"
+        ),
     ] = None,
     reduced: Annotated[bool, typer.Option("--reduced", help="only the blocks that the task needs")] = False,
     plan: Annotated[bool, typer.Option("--plan", help="plan the task and mark the paths of its tokens")] = False,

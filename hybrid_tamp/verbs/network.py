@@ -45,7 +45,9 @@ def network(
         check_drawing(file, force=force)
     task = None if _names_domain(name) else load(name, settings, plans=plan)
     if task is None and (reduced or plan):
-        wanted = "a domain has no tokens and no goal, so only the network of a task can be reduced or marked with a plan"
+        wanted = (
+            "a domain has no tokens and no goal, so only the network of a task can be reduced or marked with a plan"
+        )
         raise InputError([Issue("", wanted, name, remedy="give a task instead of the domain")])
     domain = find_domain(name) if task is None else task.domain
     outcome = plan_task(task, settings) if task is not None and plan else None

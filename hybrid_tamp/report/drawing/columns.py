@@ -52,7 +52,7 @@ def _enterable(sources: _Sources, bar: str, missing: str) -> set[str]:
 
 
 def _earliest(sources: _Sources, bar: str) -> dict[str, int]:
-    """Map each block to the smallest number of blocks that its tokens pass before, at least 1, because tokens rest first."""
+    """Map each block to the smallest number of blocks that its tokens pass before. The first of these is the bar."""
     found = {bar: 0} | dict.fromkeys(sources, len(sources))
     for _ in sources:
         for block, slots in sources.items():

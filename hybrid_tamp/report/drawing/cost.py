@@ -14,8 +14,8 @@ from hybrid_tamp.report.drawing.sizes import Sizes
 GUTTER, CHANNEL = 8, 4
 """Expected distances between columns and between rows, in units of the grid."""
 _CROSSING, _HIT, _BACKWARDS, _SHAPE, _SWAPPED = 30.0, 30.0, 1.2, 60.0, 12.0
-"""Costs of a crossing, of a line behind a box, of each unit to the left, of a page of another shape, and of two slots in
-another order than in the declaration of the block."""
+"""Costs of a crossing, of a line behind a box, of each unit to the left, of a page of another shape, and of two slots that
+do not have the order of the block's declaration."""
 _ASPECT = 1.7
 """Wanted ratio of the width to the height of the page."""
 
@@ -128,7 +128,13 @@ def _crossings(lines: FloatArray) -> FloatArray:
 
 
 def _hits(lines: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """Return how often lines ``(b, l, 2, 2)`` pass behind boxes in each placement. `lower`, `upper`: corners ``(b, n, 2)``."""
+    """Return how often lines pass behind boxes in each placement.
+
+    Args:
+        lines: starts and ends of the lines, shape ``(b, l, 2, 2)``.
+        lower: upper left corners of the boxes, which have the smaller coordinates, shape ``(b, n, 2)``.
+        upper: lower right corners of the boxes, shape ``(b, n, 2)``.
+    """
     start, span = lines[:, :, None, 0], (lines[:, :, 1] - lines[:, :, 0])[:, :, None] + 1e-9
     low, high = (lower[:, None] + 1 - start) / span, (upper[:, None] - 1 - start) / span
     first, last = np.minimum(low, high).max(axis=-1), np.maximum(low, high).min(axis=-1)

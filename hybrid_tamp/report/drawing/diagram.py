@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.domain import Domain
@@ -40,7 +41,7 @@ class Mark:
     @property
     def edges(self) -> tuple[Edge, ...]:
         """Edges along which the token passes, in the order of time."""
-        return tuple(zip(self.slots, self.slots[1:], strict=False))
+        return tuple(pairwise(self.slots))
 
 
 @dataclass(frozen=True, eq=False)

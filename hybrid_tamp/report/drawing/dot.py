@@ -1,6 +1,5 @@
 """Write the network of a diagram in the language of Graphviz (DOT)."""
 
-from collections.abc import Iterator
 from html import escape
 
 from hybrid_tamp.report.drawing.diagram import Box, Diagram
@@ -46,7 +45,8 @@ def _style(diagram: Diagram, link: Link) -> str:
 
 def _legend(diagram: Diagram, colours: dict[str, str]) -> str:
     rows = "".join(
-        f'<tr><td bgcolor="{colours[name]}" width="18"></td><td align="left"><font color="{INK}">{escape(name)}</font></td></tr>'
+        f'<tr><td bgcolor="{colours[name]}" width="18"></td>'
+        f'<td align="left"><font color="{INK}">{escape(name)}</font></td></tr>'
         for name in diagram.shown_classes
     )
     return f'<<table border="0" cellborder="0" cellspacing="4">{rows}</table>>'

@@ -1,10 +1,11 @@
 """The lattice of lines on which wires run: between the columns, between the rows and above the bar.
 
-Wires run vertically between columns only, and horizontally wherever no box stands. All lengths are in units of the grid.
+Wires run vertically between columns only, and horizontally wherever no box stands. Lengths are in units of the grid.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.report.drawing.placement import Placement
@@ -36,20 +37,25 @@ class Lattice:
     @cached_property
     def tops(self) -> dict[str, int]:
         """Maps each block to the horizontal line at the top of its box."""
-        heights = [0] * self.placement.shape[1]
-        for box in self.sizes.diagram.boxes:
-            row = self.placement.cell_of[box.block][1]
-            heights[row] = max(heights[row], self.sizes.height(box))
+        heights = self._row_heights
         space = self.lanes // 2
         row_tops = [space + sum(heights[:row]) + space * row for row in range(len(heights) + 1)]
         return {block: row_tops[row] for block, (_, row) in self.placement.cell_of.items()} | {"": row_tops[-1]}
 
-    @property
+    @cached_property
+    def _row_heights(self) -> list[int]:
+        heights = [0] * self.placement.shape[1]
+        for box in self.sizes.diagram.boxes:
+            row = self.placement.cell_of[box.block][1]
+            heights[row] = max(heights[row], self.sizes.height(box))
+        return heights
+
+    @cached_property
     def columns(self) -> int:
         """Number of vertical lines."""
         return (self.placement.shape[0] + 1) * self.lanes
 
-    @property
+    @cached_property
     def rows(self) -> int:
         """Number of horizontal lines. The bar lies below the last line."""
         return self.tops[""]
@@ -75,7 +81,7 @@ class Lattice:
         """Nodes on the edge of the bar."""
         return range(self.rows, self._count, self.rows + 1)
 
-    @property
+    @cached_property
     def _count(self) -> int:
         return self.columns * (self.rows + 1)
 
@@ -117,11 +123,11 @@ class Lattice:
             found.setdefault(one, []).append((other, direction, length))
             found.setdefault(other, []).append((one, direction, length))
 
-        behind = self._behind_boxes
+        behind, rows = self._behind_boxes, self._useful_rows
         for column in range(self.columns):
             gap, last = divmod(column, self.lanes)
-            for row in range(self.rows):
-                join(self.node(column, row), self.node(column, row + 1), VERTICAL, 1.0)
+            for row, below in pairwise(rows):
+                join(self.node(column, row), self.node(column, below), VERTICAL, float(below - row))
                 if last < self.lanes - 1:
                     join(self.node(column, row), self.node(column + 1, row), HORIZONTAL, 1.0)
                 elif column + 1 < self.columns and (gap, row) not in behind:
@@ -130,6 +136,40 @@ class Lattice:
         for pin, node in self._beside.items():
             join(pin, node, HORIZONTAL, float(MARGIN))
         return found
+
+    @cached_property
+    def lengths(self) -> dict[tuple[int, int], float]:
+        """Maps each pair of neighbours to their distance."""
+        return {(one, other): length for one, steps in self.steps.items() for other, _, length in steps}
+
+    @cached_property
+    def positions(self) -> dict[int, tuple[float, float]]:
+        """Maps each node to its position. The position of a pin is that of its neighbour."""
+        pitch = self.lanes - 1 + self.sizes.width + 2 * MARGIN
+        found = {}
+        for node in self.steps:
+            column, row = self.at(node)
+            gap, lane = divmod(column, self.lanes)
+            found[node] = (float(gap * pitch + lane), float(row))
+        return found
+
+    @property
+    def _useful_rows(self) -> list[int]:
+        """Horizontal lines that wires can use: those that end at pins, those between rows of boxes, and the bar."""
+        pins = {
+            self._pin_rows[slot] + index
+            for slot, count in self.sizes.pins.items()
+            if slot in self._pin_rows
+            for index in range(count)
+        }
+        boxes = {
+            row
+            for box in self.sizes.diagram.boxes
+            for row in range(
+                self.tops[box.block], self.tops[box.block] + self._row_heights[self.placement.cell_of[box.block][1]]
+            )
+        }
+        return sorted((set(range(self.rows + 1)) - boxes) | pins)
 
     @property
     def _behind_boxes(self) -> set[tuple[int, int]]:

@@ -14,7 +14,7 @@ from hybrid_tamp.report.drawing.wires import Wire
 Point = tuple[float, float]
 _SEED, _PLACEMENTS = 0, 6
 """Seed of the search for placements, and number of placements for which wires are routed. The best drawing is kept."""
-_IMPROVED = 2
+_IMPROVED = 3
 """Number of the cheapest drawings that are improved."""
 _LANES = 8
 """Number of vertical lines between two columns, unless the wires need more."""

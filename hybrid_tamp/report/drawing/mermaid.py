@@ -13,7 +13,9 @@ def mermaid_text(diagram: Diagram) -> str:
     colours, shades = class_colours(diagram.classes), token_colours(diagram)
     lines = ["flowchart LR"]
     for index, box in enumerate(boxes):
-        slots = [f"    {names[box.block, s]}[{_quoted(s)}]:::{number[diagram.class_of[box.block, s]]}" for s in box.slots]
+        slots = [
+            f"    {names[box.block, s]}[{_quoted(s)}]:::{number[diagram.class_of[box.block, s]]}" for s in box.slots
+        ]
         lines += [f"  subgraph b{index}[{_quoted(box.block)}]", *slots, "  end"]
     legend = [f"    l{number[name]}[{_quoted(name)}]:::{number[name]}" for name in diagram.shown_classes]
     lines += ['  subgraph legend["classes"]', *legend, "  end"]
@@ -25,7 +27,9 @@ def mermaid_text(diagram: Diagram) -> str:
         colour, width = (shades[link.tokens[0]], 4) if link.tokens else (link.colour, 2)
         styles.append(f"  linkStyle {index} stroke:{colour},stroke-width:{width}px")
     lines += styles
-    lines += [f"  classDef {number[name]} fill:{colours[name]},stroke:{BOX},color:{INK}" for name in diagram.shown_classes]
+    lines += [
+        f"  classDef {number[name]} fill:{colours[name]},stroke:{BOX},color:{INK}" for name in diagram.shown_classes
+    ]
     lines += [f"  style b{index} fill:{BOX},stroke:{BOX},color:{TITLE}" for index, _ in enumerate(boxes)]
     lines += [f"  style legend fill:{PAGE},stroke:{BOX},color:{INK}"]
     return "\n".join(lines) + "\n"

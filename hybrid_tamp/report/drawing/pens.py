@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _HEAD, _RADIUS, _DASH = 6.0, 5.0, 6.0
-"""Length of arrow heads, radius of the corners of lines, and length of the dashes of a line with several colours [pt]."""
+"""Length of arrow heads, radius of the corners of lines, and length of the dashes of alternating colours [pt]."""
 
 
 def draw_rectangle(axes: "Axes", box: Rectangle, radius: float, colour: str, edge: str) -> None:
@@ -19,7 +19,9 @@ def draw_rectangle(axes: "Axes", box: Rectangle, radius: float, colour: str, edg
 
     style = f"round,pad=0,rounding_size={radius}"
     corner = (box.x, box.y)
-    patch = FancyBboxPatch(corner, box.width, box.height, style, facecolor=colour, edgecolor=edge, linewidth=1, zorder=3)
+    patch = FancyBboxPatch(
+        corner, box.width, box.height, style, facecolor=colour, edgecolor=edge, linewidth=1, zorder=3
+    )
     axes.add_patch(patch)
 
 

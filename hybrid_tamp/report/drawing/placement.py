@@ -5,6 +5,7 @@ the slots in each block, so that wires are short and seldom cross.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -37,17 +38,17 @@ class Placement:
     cells: tuple[tuple[int, int], ...]
     orders: tuple[tuple[str, ...], ...]
 
-    @property
+    @cached_property
     def cell_of(self) -> dict[str, tuple[int, int]]:
         """Maps each block to its (column, row)."""
         return dict(zip(self.blocks, self.cells, strict=True))
 
-    @property
+    @cached_property
     def order_of(self) -> dict[str, tuple[str, ...]]:
         """Maps each block to its slots, from top to bottom."""
         return dict(zip(self.blocks, self.orders, strict=True))
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, int]:
         """Numbers of columns and rows."""
         return max(column for column, _ in self.cells) + 1, max(row for _, row in self.cells) + 1

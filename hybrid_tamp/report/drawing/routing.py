@@ -1,24 +1,26 @@
 """The courses of wires along the lines of a lattice.
 
-Each wire becomes a tree of short paths (Dijkstra's algorithm) that bend and cross other wires as seldom as possible. Wires
-never share a line. Since a wire is routed around those before it, each wire is removed and routed again several times.
+Each wire becomes a tree of short paths (A* search) that bend and cross other wires as seldom as possible. Wires never
+share a line. A wire is routed around those before it, so wires are removed and routed again as long as this helps.
 """
 
 import heapq
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.report.drawing.lattice import HORIZONTAL, VERTICAL, Lattice
 from hybrid_tamp.report.drawing.wires import Wire
 
-_CROSSING, _BEND, _WRONG_SIDE, _BAR, _EDGE_PIN = 30.0, 4.0, 8.0, 6.0, 0.4
+_CROSSING, _BEND, _WRONG_SIDE, _BAR, _EDGE_PIN = 45.0, 4.0, 8.0, 6.0, 0.4
 """Costs in units of the grid: of a crossing, of a bend, of a pin on the side against the direction of the flow, of an
 additional end at the bar, and of a pin beside the middle of its slot."""
 End = tuple[SlotName, bool]
 """An end of a wire: a slot, and whether tokens enter this slot."""
 _AT_BAR: End = (("", ""), True)
 """The end at the bar of a wire that also connects other slots."""
+_FAR = float("inf")
 _TAKEN = 2
 """State of a node at which no other wire may cross."""
 
@@ -106,7 +108,7 @@ class Router:
     @property
     def cost(self) -> float:
         """Total cost of the courses."""
-        lengths = {(one, other): length for one, steps in self.lattice.steps.items() for other, _, length in steps}
+        lengths = self.lattice.lengths
         lines = [line for course in self.courses.values() for line in course.lines]
         bends = sum(course.bends for course in self.courses.values())
         ends = sum(self.lattice.is_bar(node) for one, other, _ in lines for node in (one, other))
@@ -199,37 +201,51 @@ class Router:
 
     def _lines_of(self, path: list[int]) -> list[tuple[int, int, int]]:
         found = []
-        for one, other in zip(path, path[1:], strict=False):
+        for one, other in pairwise(path):
             direction = next(d for node, d, _ in self.lattice.steps[one] if node == other)
             found.append((one, other, direction))
         return found
 
     def _search(self, starts: Mapping[int, float], goals: Mapping[int, float]) -> list[int]:
         """Return the cheapest path from a start to a goal. Values are the costs of starts and goals."""
-        steps, passed, lines = self.lattice.steps, self._passed, self._lines
+        steps, passed, lines, positions = self.lattice.steps, self._passed, self._lines, self.lattice.positions
+        left, top, right, bottom = _bounds([positions[goal] for goal in goals])
+
+        def remaining(node: int) -> float:
+            """Return a lower bound of the distance to a goal (A* search)."""
+            x, y = positions[node]
+            return max(left - x, 0.0, x - right) + max(top - y, 0.0, y - bottom)
+
         best = {(node, direction): cost for node, cost in starts.items() for direction in (HORIZONTAL, VERTICAL)}
         before: dict[tuple[int, int], tuple[int, int]] = {}
-        heap = [(cost, *state) for state, cost in best.items()]
+        heap = [(cost + remaining(state[0]), cost, *state) for state, cost in best.items()]
         heapq.heapify(heap)
         while heap:
-            cost, node, direction = heapq.heappop(heap)
+            _, cost, node, direction = heapq.heappop(heap)
             if node < 0:
                 return _path((-node - 1, direction), before)
             if cost > best[node, direction]:
                 continue
             if node in goals:
-                heapq.heappush(heap, (cost + goals[node], -node - 1, direction))
+                cost += goals[node]
+                heapq.heappush(heap, (cost, cost, -node - 1, direction))
                 continue
             for other, turned, length in steps[node]:
                 state = passed.get(other)
                 if (node, other) in lines or state in (_TAKEN, turned) or (turned != direction and node in passed):
                     continue
                 new = cost + length + _BEND * (turned != direction) + _CROSSING * (state is not None)
-                if new < best.get((other, turned), float("inf")):
+                if new < best.get((other, turned), _FAR):
                     best[other, turned] = new
                     before[other, turned] = (node, direction)
-                    heapq.heappush(heap, (new, other, turned))
+                    heapq.heappush(heap, (new + remaining(other), new, other, turned))
         raise NoCourse
+
+
+def _bounds(positions: Collection[tuple[float, float]]) -> tuple[float, float, float, float]:
+    """Return the smallest and the largest coordinates."""
+    xs, ys = [x for x, _ in positions], [y for _, y in positions]
+    return min(xs, default=0.0), min(ys, default=0.0), max(xs, default=0.0), max(ys, default=0.0)
 
 
 def _path(state: tuple[int, int], before: Mapping[tuple[int, int], tuple[int, int]]) -> list[int]:

@@ -1,6 +1,7 @@
 """The lines of a wire as strokes of a pen: paths between ends and junctions, and paths of tokens."""
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
 import networkx as nx
 
@@ -28,7 +29,7 @@ def token_strokes(wire: DrawnWire, passed: Mapping[Edge, tuple[str, ...]]) -> It
     for edge in wire.wire.edges:
         if edge in passed:
             path = _path(graph, wire, edge)
-            for pair in zip(path, path[1:], strict=False):
+            for pair in pairwise(path):
                 tokens.setdefault(frozenset(pair), []).extend(passed[edge])
     for chain in _chains(graph):
         if found := tokens.get(frozenset(chain[:2])):
