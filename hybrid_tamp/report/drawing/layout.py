@@ -4,10 +4,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.report.drawing.course import Course, count_crossings
 from hybrid_tamp.report.drawing.diagram import Diagram
 from hybrid_tamp.report.drawing.lattice import MARGIN, VERTICAL, Lattice
 from hybrid_tamp.report.drawing.placement import place_boxes
-from hybrid_tamp.report.drawing.routing import Course, NoCourse, Router, count_crossings
+from hybrid_tamp.report.drawing.routing import NoCourse, Router
 from hybrid_tamp.report.drawing.sizes import GRID, Sizes
 from hybrid_tamp.report.drawing.wires import Wire
 

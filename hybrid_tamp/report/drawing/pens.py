@@ -27,7 +27,7 @@ def draw_rectangle(axes: "Axes", box: Rectangle, radius: float, colour: str, edg
 
 def draw_text(axes: "Axes", at: Point, text: str, size: float, colour: str, **more: Any) -> None:
     """Draw a text, by default around a point."""
-    style = {"ha": "center", "va": "center_baseline", "zorder": 5} | more
+    style: dict[str, Any] = {"ha": "center", "va": "center_baseline", "zorder": 5} | more
     axes.text(*at, text, fontsize=size, color=colour, **style)
 
 

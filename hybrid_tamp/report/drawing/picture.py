@@ -42,8 +42,8 @@ def draw_layout(layout: Layout, kind: Literal["svg", "png"]) -> bytes:
     # The salt makes the names inside an SVG repeatable. Outlines of letters look the same with all fonts.
     with matplotlib.rc_context({"svg.hashsalt": "hybrid-tamp", "svg.fonttype": "path", "font.family": "DejaVu Sans"}):
         figure = Figure(figsize=(width / _POINTS, height / _POINTS), facecolor=PAGE)
-        limits = {"xlim": (-_BORDER, width - _BORDER), "ylim": (height - _BORDER, -_BORDER)}
-        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), **limits)
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set(xlim=(-_BORDER, width - _BORDER), ylim=(height - _BORDER, -_BORDER))
         axes.set_axis_off()
         for wire in layout.wires:
             _draw_wire(axes, layout, wire)

@@ -6,60 +6,22 @@ share a line. A wire is routed around those before it, so wires are removed and 
 
 import heapq
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
 from itertools import pairwise
 
-from hybrid_tamp.model.network import SlotName
+from hybrid_tamp.report.drawing.course import TAKEN, Course, End, count_crossings
 from hybrid_tamp.report.drawing.lattice import HORIZONTAL, VERTICAL, Lattice
 from hybrid_tamp.report.drawing.wires import Wire
 
 _CROSSING, _BEND, _WRONG_SIDE, _BAR, _EDGE_PIN = 45.0, 4.0, 8.0, 6.0, 0.4
 """Costs in units of the grid: of a crossing, of a bend, of a pin on the side against the direction of the flow, of an
 additional end at the bar, and of a pin beside the middle of its slot."""
-End = tuple[SlotName, bool]
-"""An end of a wire: a slot, and whether tokens enter this slot."""
 _AT_BAR: End = (("", ""), True)
 """The end at the bar of a wire that also connects other slots."""
 _FAR = float("inf")
-_TAKEN = 2
-"""State of a node at which no other wire may cross."""
 
 
 class NoCourse(Exception):
     """A wire found no course, because the space between the boxes is full."""
-
-
-@dataclass
-class Course:
-    """The course of a wire.
-
-    Attributes:
-        lines: pairs of neighbouring nodes.
-        pins: maps each end at a slot, as a pair of (slot, whether it is a target), to its node.
-        extra: costs of the pins.
-    """
-
-    lines: list[tuple[int, int, int]] = field(default_factory=list)
-    pins: dict[End, int] = field(default_factory=dict)
-    extra: float = 0.0
-
-    @property
-    def bends(self) -> int:
-        """Number of nodes at which horizontal and vertical lines meet."""
-        return len({node for node, d in self._directions.items() if len(set(d)) > 1})
-
-    @property
-    def nodes(self) -> dict[int, int]:
-        """Maps each node to the direction in which the wire passes straight through, or to `_TAKEN`."""
-        return {node: d[0] if len(d) == 2 and d[0] == d[1] else _TAKEN for node, d in self._directions.items()}
-
-    @property
-    def _directions(self) -> dict[int, list[int]]:
-        directions: dict[int, list[int]] = {}
-        for one, other, direction in self.lines:
-            directions.setdefault(one, []).append(direction)
-            directions.setdefault(other, []).append(direction)
-        return directions
 
 
 class Router:
@@ -134,7 +96,7 @@ class Router:
         self._passed, self._lines = {}, set()
         for course in self.courses.values():
             for node, state in course.nodes.items():
-                self._passed[node] = _TAKEN if node in self._passed else state
+                self._passed[node] = TAKEN if node in self._passed else state
             self._lines |= {line for one, other, _ in course.lines for line in ((one, other), (other, one))}
 
     def _grow(self, wire: Wire) -> Course:
@@ -232,7 +194,7 @@ class Router:
                 continue
             for other, turned, length in steps[node]:
                 state = passed.get(other)
-                if (node, other) in lines or state in (_TAKEN, turned) or (turned != direction and node in passed):
+                if (node, other) in lines or state in (TAKEN, turned) or (turned != direction and node in passed):
                     continue
                 new = cost + length + _BEND * (turned != direction) + _CROSSING * (state is not None)
                 if new < best.get((other, turned), _FAR):
@@ -254,9 +216,3 @@ def _path(state: tuple[int, int], before: Mapping[tuple[int, int], tuple[int, in
         state = before[state]
         path.append(state[0])
     return path[::-1]
-
-
-def count_crossings(courses: Collection[Course]) -> int:
-    """Return at how many nodes two wires cross."""
-    passed = [node for course in courses for node in course.nodes]
-    return len(passed) - len(set(passed))

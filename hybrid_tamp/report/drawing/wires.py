@@ -56,8 +56,12 @@ def join_edges(edges: Iterable[Edge], label: Callable[[SlotName, SlotName], str]
         (sources, targets), both_ways = min(found, key=_rank)
         chosen = set(product(sources, targets))
         left -= chosen | {edge[::-1] for edge in chosen if both_ways}
-        wires.append(Wire(*(tuple(sorted(slot for slot, _ in side)) for side in (sources, targets)), both_ways))
+        wires.append(Wire(_slots(sources), _slots(targets), both_ways))
     return tuple(sorted(wires, key=lambda wire: (wire.sources, wire.targets)))
+
+
+def _slots(nodes: _Nodes) -> tuple[SlotName, ...]:
+    return tuple(sorted(slot for slot, _ in nodes))
 
 
 def _neighbours(edges: Iterable[tuple[_Node, _Node]]) -> dict[_Node, _Nodes]:
