@@ -4,7 +4,7 @@ The direction of the wires determines the columns. A search with decreasing rand
 the slots in each block, so that wires are short and seldom cross.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,7 +55,10 @@ class Placement:
 
 
 def place_boxes(sizes: Sizes, seed: int, count: int) -> tuple[Placement, ...]:
-    """Return the cheapest placements that a search meets, the cheapest first."""
+    """Return the cheapest placements that a search meets, at most `count` of which have different cells.
+
+    The slots have the cheapest order or the order of their declaration.
+    """
     return _Search(sizes, seed).run(count)
 
 
@@ -71,16 +74,21 @@ class _Search:
         self._rows = int(np.bincount(self._columns).max()) + 1
 
     def run(self, count: int) -> tuple[Placement, ...]:
-        """Return the cheapest placements that the search meets, the cheapest first."""
+        """Return the cheapest placements that the search meets, as described for `place_boxes`."""
         rows = [int((self._columns[:index] == column).sum()) for index, column in enumerate(self._columns)]
         here = np.stack([self._columns, rows], axis=1), tuple(box.slots for box in self._boxes)
-        met: dict[Placement, float] = {}
+        met: dict[bytes, tuple[float, Placement]] = {}
         for heat in np.geomspace(_HOTTEST, _COLDEST, _STEPS):
             near = [here, *(self._change(*here) for _ in range(_BATCH))]
             costs = self._cost.of(np.array([cells for cells, _ in near]), [orders for _, orders in near])
-            met |= {self._placement(*near[index]): float(costs[index]) for index in np.argsort(costs)[:count]}
+            for cost, (cells, orders) in zip(costs.tolist(), near, strict=True):
+                if cost < met.get(cells.tobytes(), (np.inf,))[0]:
+                    met[cells.tobytes()] = (cost, self._placement(cells, orders))
             here = near[int(np.argmin(costs - heat * self._rng.gumbel(size=len(near))))]
-        return tuple(sorted(met, key=lambda each: (met[each], repr(each)))[:count])
+        best = sorted(met.values(), key=lambda each: each[0])
+        declared = tuple(box.slots for box in self._boxes)
+        found = [each for _, placement in best[:count] for each in (placement, replace(placement, orders=declared))]
+        return tuple(dict.fromkeys(found))
 
     def _change(self, cells: _Cells, orders: _Orders) -> tuple[_Cells, _Orders]:
         """Move a block to another row, where it changes places with the block there, or swap two slots of a block."""
