@@ -107,6 +107,10 @@ class NoPlan(HybridTampError):
         self.kind = kind
         self.probes = tuple(probes)
 
+    def extended(self, *lines: str) -> "NoPlan":
+        """Return the error with further lines at the end of its message."""
+        return NoPlan("\n".join([str(self), *lines]), proven=self.proven, kind=self.kind, probes=self.probes)
+
     @property
     def exit_status(self) -> int:  # type: ignore[override]
         """Exit status: 10 if the task is proven unsolvable, else 11."""

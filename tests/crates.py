@@ -322,10 +322,11 @@ def make_task(
     more: tuple[Predicate, ...] = (),
     edges: tuple[tuple[str, str], ...] = (),
     hands: tuple[str, ...] = ("hand",),
+    dock: str = "near",
     goal: Sequence[Mapping[str, list[str]]] = (),
 ) -> hybrid_tamp.Task:
     """Return a task in which the hands must push the crate into a dock. See `make_domain` for the other arguments."""
-    dock = {"classes": [Dock], "properties": {"radius": 0.08}}
+    disc = {"classes": [Dock], "properties": {"radius": 0.08}}
     half = (HALF_CRATE,) * 3
     return hybrid_tamp.make_task(
         make_domain(changes, more, edges),
@@ -345,10 +346,10 @@ def make_task(
                 "shape": Box(kind="box", half_extents=half),
                 "pose": {"position": [0.0, 0.0, 0.1]},
             },
-            "near": {**dock, "pose": {"position": [0.7, 0.0, 0.0]}},
-            "far": {**dock, "pose": {"position": [1.2, 0.0, 0.0]}},
+            "near": {**disc, "pose": {"position": [0.7, 0.0, 0.0]}},
+            "far": {**disc, "pose": {"position": [1.2, 0.0, 0.0]}},
         },
-        goal=[{"docked": ["crate", "near"]}, *goal],
+        goal=[{"docked": ["crate", dock]}, *goal],
         agents={"robot": list(hands)},
         name="push_crate",
     )

@@ -21,7 +21,10 @@ def affordances(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Show which objects afford which blocks to which agents, and the effect of adding or removing a token."""
+    """Show which objects afford which blocks to which agents.
+
+    Example: hybrid-tamp affordances tumble_two_robots --view team
+    """
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.question_tables import affordances_table
     from hybrid_tamp.verbs.affordances import affordances as find_affordances

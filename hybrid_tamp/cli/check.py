@@ -5,7 +5,10 @@ from hybrid_tamp.cli.console import say
 
 
 def check(task: options.Task, as_json: options.Json = False, domain: options.Domain = None) -> None:
-    """Check a task file and report every fault with its place and the rule that it breaks."""
+    """Check a task file, and report every fault with its place.
+
+    Example: hybrid-tamp check my_task.yaml
+    """
     from hybrid_tamp.verbs.check import check as check_task
     from hybrid_tamp.verbs.loading import Settings
 

@@ -22,13 +22,16 @@ def check_domain(
     simulate: Annotated[bool, typer.Option("--physics/--no-physics", help="also run each block in PyBullet")] = True,
     seed: options.Seed = None,
 ) -> None:
-    """Roll out the blocks of a domain, and report every mistake with its block, role, figures and remedy."""
+    """Roll out the blocks of a domain, and report its mistakes.
+
+    Example: hybrid-tamp check-domain joint_lifting --task lift_two_hands
+    """
     from hybrid_tamp.report.domain_documents import mistakes_document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.report.tables import mistakes_table
     from hybrid_tamp.verbs.check_domain import check_domain_file
 
-    with progress_bar() as tell:
+    with progress_bar("checking") as tell:
         report = check_domain_file(name, tasks or (), samples=samples, seed=seed or 0, simulate=simulate, tell=tell)
     say(mistakes_document(report), as_json, lambda: mistakes_table(report))
     if report.mistakes:

@@ -89,8 +89,7 @@ def _with_flags(error: HybridTampError) -> HybridTampError:
     if isinstance(error, NoPlan) and error.probes:
         from hybrid_tamp.report.sources import describe_probe
 
-        commands = [f"  {describe_probe(source, token)}" for source, token in error.probes]
-        return NoPlan("\n".join([str(error), *commands]), proven=error.proven, kind=error.kind)
+        return error.extended(*(f"  {describe_probe(source, token)}" for source, token in error.probes))
     if not isinstance(error, InputError):
         return error
     issues = [

@@ -26,9 +26,12 @@ def explain(
     time_limit: options.Time = None,
     memory_limit: options.Memory = None,
 ) -> None:
-    """Explain why a task has no plan, and list single changes that would make the task solvable.
+    """Explain why a task has no plan, and what would change this.
 
-    If the task has a plan, explain why each token is in the plan.
+    The suggestions are single changes that make the task solvable. If the task has a plan, the output states why each
+    token is in the plan.
+
+    Example: hybrid-tamp explain roll_cylinder_off_axis
     """
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
@@ -37,7 +40,7 @@ def explain(
     from hybrid_tamp.verbs.loading import Settings
 
     settings = Settings(domain, planner, time_limit=time_limit, memory_limit=memory_limit, began=context.obj)
-    with progress_bar(optimise) as tell:
+    with progress_bar("explaining") as tell:
         result = explain_task(task, settings, trials=trials, most=most, optimise=optimise, progress=tell)
     say(document(result), as_json, lambda: explanation_table(result))
     if result.explanation is not None and result.explanation.stopped is not None:

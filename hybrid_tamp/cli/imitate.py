@@ -30,7 +30,10 @@ def imitate(
     backend: options.Backend = "pybullet",
     force: options.Force = False,
 ) -> None:
-    """Segment another agent's run into blocks, show the blocks and imitate the run."""
+    """Segment a run into blocks, and let another agent imitate it.
+
+    Example: hybrid-tamp imitate out roll_by_another_agent -o likewise
+    """
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.verbs.imitate import imitate as imitate_agent

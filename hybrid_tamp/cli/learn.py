@@ -25,7 +25,10 @@ def learn(
     weights: Annotated[int, typer.Option("--weights", min=1, max=1000, help="number of basis functions")] = 20,
     force: options.Force = False,
 ) -> None:
-    """Learn the motor primitive of a block from demonstrations."""
+    """Learn the motor primitive of a block from runs.
+
+    Example: hybrid-tamp learn REACHING:behind out -o reach.json
+    """
     from hybrid_tamp.verbs.learn import learn as fit
     from hybrid_tamp.verbs.learn import save_primitive
 

@@ -26,15 +26,23 @@ def network(
     planner: options.Planner = None,
     force: options.Force = False,
 ) -> None:
-    """Show the reassignment network, with the slots that a token may enter after each slot, or draw the network."""
+    """Show the reassignment network of a domain or a task, or draw the network.
+
+    The table shows the slots that a token may enter after each slot.
+
+    Example: hybrid-tamp network rolling_tumbling -o network.svg
+    """
     if output is None and (plan or force):
         raise InputError([Issue("", "--plan and --force must be used together with --output")])
     from hybrid_tamp.report.domain_documents import network_document
+    from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.report.tables import network_table
     from hybrid_tamp.verbs.loading import Settings
     from hybrid_tamp.verbs.network import network as find_network
 
     settings = Settings(domain, planner, began=context.obj)
-    found = find_network(of, settings, file=output, reduced=reduced, plan=plan, force=force)
+    with progress_bar(output is not None) as tell:
+        tell(0.0, "planning and drawing" if plan else "drawing")
+        found = find_network(of, settings, file=output, reduced=reduced, plan=plan, force=force)
     document = network_document(found) | ({} if output is None else {"file": str(output)})
     say(document, as_json, lambda: network_table(found) if output is None else f"drawing: {output}")

@@ -7,7 +7,10 @@ import typer
 
 
 def new(folder: Annotated[Path, typer.Argument(metavar="DIR", help="folder for the new domain")]) -> None:
-    """Write a small working domain: its Python file, a task and tests."""
+    """Write a small working domain with a task and tests.
+
+    Example: hybrid-tamp new my_domain
+    """
     from hybrid_tamp.verbs.new import new as write_domain
 
     for path in write_domain(folder):

@@ -21,7 +21,10 @@ def pddl(
     ] = "classical",
     solve: Annotated[bool, typer.Option("--solve", help="also plan the task and write plan.pddl")] = False,
 ) -> None:
-    """Write a task as PDDL files for other planners."""
+    """Write a task as PDDL files for other planners.
+
+    Example: hybrid-tamp pddl roll_cylinder -o pddl
+    """
     from hybrid_tamp.verbs.loading import Settings, load
     from hybrid_tamp.verbs.pddl import pddl as write_pddl
 

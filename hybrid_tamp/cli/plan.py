@@ -11,6 +11,8 @@ from hybrid_tamp.errors import InputError, Issue
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.outcome import PlanOutcome
+    from hybrid_tamp.symbolic.strategies.search import Planner
+    from hybrid_tamp.verbs.loading import Settings
 
 
 def plan(
@@ -29,8 +31,14 @@ def plan(
     optimiser: options.Optimiser = None,
     evaluations: options.Evaluations = None,
     refine: options.Refine = None,
+    compare_planners: Annotated[
+        bool, typer.Option("--compare-planners", help="plan with each installed engine, and print one table")
+    ] = False,
 ) -> None:
-    """Plan a task and show the checked plan, or explain why there is no plan."""
+    """Plan a task, or explain why there is no plan.
+
+    Example: hybrid-tamp plan tumble_two_hands --optimise
+    """
     if not optimise and (optimiser, evaluations, refine) != (None, None, None):
         raise InputError([Issue("", "--optimiser, --evaluations and --refine must be used together with --optimise")])
     from hybrid_tamp.verbs.planner import start_planner
@@ -42,7 +50,10 @@ def plan(
 
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
-        with progress_bar(optimise) as tell:
+        if compare_planners:
+            _compare(task, process, settings, as_json)
+            return
+        with progress_bar() as tell:
             outcome = plan_task(
                 task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
             )
@@ -51,6 +62,16 @@ def plan(
         if outcome.explanation is None or outcome.explanation.stopped is not None:
             typer.echo(str(outcome.error), err=True)
         raise typer.Exit(outcome.error.exit_status)
+
+
+def _compare(task: str, process: "Planner", settings: "Settings", as_json: bool) -> None:
+    from hybrid_tamp.report.listings import comparison_document, comparison_of_planners
+    from hybrid_tamp.report.progress import progress_bar
+    from hybrid_tamp.verbs.compare_planners import compare_planners
+
+    with progress_bar() as tell:
+        results = compare_planners(task, process, settings, tell)
+    say(comparison_document(task, results), as_json, lambda: comparison_of_planners(task, results))
 
 
 def _show(outcome: "PlanOutcome", as_json: bool) -> None:

@@ -29,7 +29,10 @@ def probe(
     seed: options.Seed = None,
     time_limit: options.Time = None,
 ) -> None:
-    """Predict the classes of a token from its shape and confirm the classes by trials in physics."""
+    """Predict a token's classes from its shape, and test them.
+
+    Example: hybrid-tamp probe tumble_unknown_box --token P5 --write known.yaml
+    """
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.progress import progress_bar
     from hybrid_tamp.report.question_tables import membership_lines, membership_table, resting_text

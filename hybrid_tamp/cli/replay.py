@@ -14,7 +14,10 @@ def replay(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Run the recorded commands again and report whether the new states equal the recorded states bit for bit."""
+    """Repeat a recorded run, and compare the states bit for bit.
+
+    Example: hybrid-tamp replay out
+    """
     from hybrid_tamp.verbs.loading import domain_finder
     from hybrid_tamp.verbs.replay import replay as replay_run
 

@@ -14,7 +14,10 @@ def report(
     as_json: options.Json = False,
     domain: options.Domain = None,
 ) -> None:
-    """Write report.html again from the JSON documents in a folder."""
+    """Write report.html again from the documents in a folder.
+
+    Example: hybrid-tamp report out
+    """
     from hybrid_tamp.verbs.loading import Settings
     from hybrid_tamp.verbs.report import write_report
 

@@ -1,5 +1,8 @@
 """The verb ``run``."""
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,9 +11,12 @@ import typer
 
 from hybrid_tamp.cli import options
 from hybrid_tamp.cli.console import say
+from hybrid_tamp.errors import NoPlan
 
 if TYPE_CHECKING:
     from hybrid_tamp.model.run_result import RunResult
+
+_PAGE = "report.html"
 
 
 def run(
@@ -34,7 +40,10 @@ def run(
     evaluations: options.Evaluations = None,
     refine: options.Refine = None,
 ) -> None:
-    """Plan a task, optimise the plan, execute the plan in physics and evaluate the recorded run."""
+    """Plan a task, optimise the plan, and run the plan in physics.
+
+    Example: hybrid-tamp run roll_cylinder -o out --video out/video.mp4
+    """
     from hybrid_tamp.verbs.planner import start_planner
 
     with start_planner() as process:
@@ -45,12 +54,24 @@ def run(
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         run_here = partial(run_task, task, output, settings, backend=backend, planner=process)
-        with progress_bar() as tell:
+        with progress_bar() as tell, _pointing_at(output / _PAGE):
             result = run_here(video=video, force=force, compare=compare, progress=tell)
     _show(result, as_json)
     if not as_json:
-        typer.echo("\n".join([*([f"video: {video}"] if video else []), f"files: {output}"]))
+        typer.echo("\n".join([f"page: {output / _PAGE}", *([f"video: {video}"] if video else [])]))
     _judge(result, as_json)
+    if not as_json:
+        typer.echo(f"next: hybrid-tamp explain {task}\n      hybrid-tamp replay {output}")
+        typer.echo(f"total time with pictures: {time.monotonic() - context.obj:.1f} s")
+
+
+@contextmanager
+def _pointing_at(page: Path) -> Iterator[None]:
+    """If there is no plan, add the path of the page with the reasons to the message."""
+    try:
+        yield
+    except NoPlan as error:
+        raise error.extended(f"The page {page} shows the reasons.") from error
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:

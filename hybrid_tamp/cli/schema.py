@@ -15,7 +15,10 @@ def schema(
         bool, typer.Option("--reference", help="print the Markdown reference of task files instead")
     ] = False,
 ) -> None:
-    """Print the JSON Schema of task files or of a document that a verb prints or writes."""
+    """Print the JSON Schema of task files or of a document.
+
+    Example: hybrid-tamp schema > task.schema.json
+    """
     from hybrid_tamp.verbs.schema import find_schema, write_reference
 
     if reference and document == "task":

@@ -1,5 +1,7 @@
 """Closed-loop execution of one plan, or of several plans that differ only in their hyperparameters."""
 
+import logging
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -12,6 +14,8 @@ from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.refined import GOAL
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
+
+_LOG = logging.getLogger(__name__)
 
 
 def execute(
@@ -41,8 +45,11 @@ def execute(
         DomainError: a policy reads a token outside its roles, or its commands are faulty (see `check_commands`).
     """
     run = Run(task, plan, backend, observer, deadline)
+    began = time.monotonic()
     run.advance(progress=progress)
-    return run.make_recording()
+    recording = run.make_recording()
+    _LOG.info("ran %.2f s of simulated time in %.2f s", recording.duration, time.monotonic() - began)
+    return recording
 
 
 def execute_variants(

@@ -6,6 +6,7 @@ in physics, the optimum is then refined in physics. On the forward models, the o
 and never worse than the result of optimising each action separately.
 """
 
+import logging
 import time
 from dataclasses import replace
 
@@ -20,6 +21,8 @@ from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import RefinedPlan
 from hybrid_tamp.model.task import Task
+
+_LOG = logging.getLogger(__name__)
 
 
 def refine(
@@ -68,7 +71,16 @@ def refine(
     if measured is not None and task.midlevel.refine == "physics" and searched.screening.relevant:
         refined = refine_in_physics(settings, searched, candidates.point, Objective(task, plan, measured))
         candidates = candidates.replace_best(searched.objective, refined.point)
-    return summarise(searched, candidates, refined, began)
+    found = summarise(searched, candidates, refined, began)
+    _LOG.info(
+        "%s optimised %d of %d hyperparameters in %d rollouts and %.2f s",
+        found.optimiser,
+        len(searched.screening.relevant),
+        len(found.hyperparameters),
+        found.evaluations,
+        found.seconds,
+    )
+    return found
 
 
 def _compare(searched: Searched) -> Candidates:

@@ -86,6 +86,11 @@ class Suggestion:
         """Kind of the change."""
         return self.change.kind
 
+    @property
+    def text(self) -> str:
+        """The change and the length of the plan as a sentence."""
+        return f"There is a plan of {self.length} actions with {self.change.what}."
+
 
 @dataclass(frozen=True)
 class Explanation(Tabular):
@@ -138,8 +143,10 @@ class Explanation(Tabular):
 
     @property
     def text(self) -> str:
-        """Message and reasons as text, with one line for each."""
-        return "\n".join([self.message, *(f"  {each.goal_text}: {each.message}" for each in self.reasons)])
+        """Message, reasons and the best suggestion as text, with one line for each."""
+        reasons = (f"{each.goal_text}: {each.message}" for each in self.reasons)
+        lines = [*reasons, *(each.text for each in self.suggestions[:1])]
+        return "\n".join([self.message, *(f"  {line}" for line in lines)])
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,16 @@ def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) ->
     except LimitReached as limit:
         figures = PlannerFigures(task.planner, tailored.elapsed)
         return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure.of(limit))
-    return _outcome(tailored, planned)
+    outcome = _outcome(tailored, planned)
+    _log_outcome(outcome)
+    return outcome
+
+
+def _log_outcome(outcome: PlanOutcome) -> None:
+    found = "no plan" if outcome.plan is None else f"{len(outcome.plan.actions)} actions, {outcome.makespan:.2f} s"
+    figures = outcome.planner
+    stages = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in figures.stages.items())
+    _LOG.info("%s planned %s in %.2f s: %s (%s)", figures.name, outcome.task.name, figures.seconds, found, stages)
 
 
 def tailor_network(task: Task) -> PlannedNetwork:

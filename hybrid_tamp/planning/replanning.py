@@ -4,6 +4,7 @@ If a condition fails even with the best hyperparameters, the binding of the fail
 planner runs again. ``task.limits.refinements`` limits the number of repetitions.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -18,6 +19,8 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
 from hybrid_tamp.workers.processes import count_processors
+
+_LOG = logging.getLogger(__name__)
 
 FindPlan = Callable[[Task], PlanOutcome]
 """Function that plans a task, for example a task planner or the transfer of a demonstrated plan."""
@@ -63,6 +66,9 @@ def plan_and_refine(
             return replace(outcome, plan=refined.plan, refinement=refined)
         planned = outcome.plan
         failing = _failing_instance(current, planned, refined.shortfall)
+        _LOG.info(
+            "no hyperparameters satisfy %s of %s, so the plan is refused", refined.shortfall.atom.text, failing.name
+        )
         excluded = (*excluded, Exclusion(failing, refined.shortfall))
         outcome = replace(outcome, excluded=excluded)
         try:

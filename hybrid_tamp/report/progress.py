@@ -1,4 +1,4 @@
-"""Progress bars on standard error."""
+"""Progress lines on standard error."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,18 +8,19 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 
 @contextmanager
-def progress_bar(wanted: bool = True) -> Iterator[Callable[[float, str], None]]:
-    """Show a progress bar if wanted and standard error is a terminal.
+def progress_bar(doing: str = "planning") -> Iterator[Callable[[float, str], None]]:
+    """Show a line with the current activity and the elapsed time, if standard error is a terminal.
 
-    Yield a function that updates the bar with the fraction of the work that is done (0 to 1) and the current activity.
+    Yield a function that updates the line with the fraction of the work that is done (0 to 1) and the current activity.
+    Before the first update, the line shows `doing`.
     """
     columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
     # console.is_terminal is not used, because FORCE_COLOR makes that property true for files.
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not wanted or not console.file.isatty()) as bar:
-        task = bar.add_task("planning", total=1.0)
+    with Progress(*columns, console=console, transient=True, disable=not console.file.isatty()) as bar:
+        task = bar.add_task(doing, total=None)
 
         def tell(share: float, what: str) -> None:
-            bar.update(task, completed=share, description=what)
+            bar.update(task, total=1.0, completed=share, description=what)
 
         yield tell

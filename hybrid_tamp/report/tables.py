@@ -1,8 +1,9 @@
 """Tables of plans, results and domains for people. Programs read the JSON documents instead."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
-from rich.console import Group, RenderableType
+from rich.console import Group, JustifyMethod, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -20,21 +21,38 @@ _NO_SINGLE_CHANGE = "No single change of a token, class, edge, fact or property 
 _NONE_FOUND = "No single change was found; try more changes with 'hybrid-tamp explain --trials N'."
 
 
+_LONG = 30
+"""Number of characters from which a word may be broken, if the table is too wide."""
+
+
+class WordTable(Table):
+    """A table whose columns are not narrower than their words, unless the words are long."""
+
+    def add_row(self, *cells: RenderableType | None, **options: Any) -> None:
+        """Add a row, and widen the columns to its words."""
+        super().add_row(*cells, **options)
+        for column, cell in zip(self.columns, cells, strict=False):
+            longest = max(map(len, str(cell).split()), default=0)
+            column.min_width = max(column.min_width or 0, min(longest, _LONG))
+
+
 def new_table(title: str, *headings: str, framed: bool = True) -> Table:
     """Return an empty table.
 
     Args:
         title: the title, or an empty string.
-        headings: the headings of the columns. The prefix ``>`` aligns a column to the right.
+        headings: the headings of the columns. The prefix ``>`` aligns a column to the right. The prefix ``|`` prevents
+            line breaks in a column.
         framed: whether the table has lines around its cells.
     """
-    table = Table(title=title, title_justify="left", header_style="bold")
+    table = WordTable(title=title, title_justify="left", header_style="bold")
     if not framed:
         table.box, table.pad_edge = None, False
     for heading in headings:
         # Fold long names, because a truncated name is useless.
-        at_right = heading.startswith(">")
-        table.add_column(heading.removeprefix(">"), justify="right" if at_right else "left", overflow="fold")
+        at_right, whole = heading.startswith(">"), heading.startswith("|")
+        justify: JustifyMethod = "right" if at_right else "left"
+        table.add_column(heading.lstrip(">|"), justify=justify, overflow="fold", no_wrap=whole)
     return table
 
 
@@ -171,7 +189,7 @@ def margin(value: float | None) -> str:
 
 def domains_table(domains: Iterable[Domain]) -> RenderableType:
     """Return a table with one row per domain."""
-    table = new_table("", "domain", "description", "classes", "blocks")
+    table = new_table("", "|domain", "description", "classes", "blocks", framed=False)
     for domain in domains:
         classes = ", ".join(c.name for c in domain.classes)
         table.add_row(domain.name, domain.description, classes, ", ".join(b.name for b in domain.blocks))

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan, at
 from hybrid_tamp.symbolic.chaining.chains import fold_chains
+from hybrid_tamp.symbolic.chaining.repeats import fold_repeats
 from hybrid_tamp.symbolic.chaining.series import list_deleted
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
@@ -28,7 +29,8 @@ def reencode(compilation: Compilation, plan: TaskPlan) -> list[PlannedAction]:
     """
     torn = [token.name for token in compilation.task.assigned if not _tiles(plan, token.name)]
     domain = compilation.encoded.vocabulary.domain
-    plan = fold_chains(compilation.encoded.chains, plan)
+    chains = compilation.encoded.chains
+    plan = fold_repeats(chains, fold_chains(chains, plan))
     inside = [i for i in plan.instances if i.block not in domain.block_by_name]
     if inside:
         return [NO_ACTION for _ in inside]

@@ -1,5 +1,6 @@
 """Load tasks with settings that override the task file."""
 
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -15,6 +16,8 @@ from hybrid_tamp.physics.protocol import SIMULATOR, open_backend
 from hybrid_tamp.symbolic.engines.registry import check_engine
 from hybrid_tamp.taskfile.domains import find_domain
 from hybrid_tamp.taskfile.loader import load_task
+
+_LOG = logging.getLogger(__name__)
 
 Record = TypeVar("Record", Task, Limits, MidLevel)
 
@@ -67,6 +70,7 @@ def load(source: Task | Path | str, settings: Settings = Settings(), *, plans: b
         InputError: the file has faults; each issue names the place of a fault.
     """
     task = load_task(source, domain_finder(settings.domain), check_engine if plans and not settings.planner else None)
+    _LOG.info("read the task %s: %d tokens of the domain %s", task.name, len(task.tokens), task.domain.name)
     limits = _replaced(task.limits, time=settings.time_limit, memory=settings.memory_limit)
     midlevel = _replaced(
         task.midlevel, optimiser=settings.optimiser, evaluations=settings.evaluations, refine=settings.refine

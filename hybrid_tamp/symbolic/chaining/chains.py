@@ -30,13 +30,16 @@ class Chains:
     Attributes:
         domain: Domain to compile, with one block per chain.
         links: Maps the name of each chain to the links of the chain.
+        copies: Maps the name of each copy of a block to the name of the block (see `repeats`).
     """
 
     domain: Domain
     links: Mapping[str, tuple[Link, ...]] = field(default_factory=dict)
+    copies: Mapping[str, str] = field(default_factory=dict)
 
     def expand(self, block: str) -> tuple[Link, ...]:
         """Return the blocks of a chain, or the block itself if it is not a chain."""
+        block = self.copies.get(block, block)
         whole = self.domain.block_by_name[block]
         return self.links.get(block, (Link(whole, {role: role for role in whole.roles}),))
 

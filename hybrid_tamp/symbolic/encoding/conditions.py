@@ -7,7 +7,7 @@ several fills mention the same target, the first fill binds the target. Later fi
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 
 from hybrid_tamp.model.block import Block, Slot, Target
 from hybrid_tamp.model.predicate import Literal, SymbolSort
@@ -134,14 +134,25 @@ class Conditions:
         return not block.hold and self.changes(block, slot)
 
     def to_keep_apart(self, block: Block, bound: set[str]) -> list[tuple[str, str]]:
-        """Return the pairs of (slot, target) that need the condition `distinct`."""
+        """Return the pairs of roles, at least one of them a target, that need the condition `distinct`."""
+        pairs: Iterator[tuple[Slot | Target, Slot | Target]] = combinations((*block.slots, *block.targets), 2)
+        return [
+            (one.name, other.name)
+            for one, other in pairs
+            if isinstance(other, Target) and {one.name, other.name} <= bound and self._may_coincide(block, one, other)
+        ]
+
+    def bound_late(self, block: Block) -> list[str]:
+        """Return the slots, except the anchor, that may have the token of a target that only `begin` binds."""
+        late = [target for target in block.targets if target.name not in self.bound_by(block)]
+        return [slot.name for slot in block.others if any(self._may_coincide(block, slot, target) for target in late)]
+
+    def _may_coincide(self, block: Block, one: Slot | Target, other: Target) -> bool:
         # A pair that shares a static condition is left out, because feasibility is computed for different tokens only.
-        pairs = []
-        for slot, target in product(block.slots, block.targets):
-            sort, names = target.sort, {slot.name, target.name}
-            if isinstance(sort, SymbolSort) or not names <= bound:
-                continue
-            guarded = any(c.positive and names <= set(c.arguments) for c in block.static_entry)
-            if not guarded and self.vocabulary.domain.relations.can_share_token(slot.object_class, sort):
-                pairs.append((slot.name, target.name))
-        return pairs
+        names = {one.name, other.name}
+        if any(c.positive and names <= set(c.arguments) for c in block.static_entry):
+            return False
+        first = one.object_class if isinstance(one, Slot) else one.sort
+        if isinstance(first, SymbolSort) or isinstance(other.sort, SymbolSort):
+            return False
+        return self.vocabulary.domain.relations.can_share_token(first, other.sort)

@@ -42,6 +42,7 @@ class EdgeOperators(OperatorMaker):
         kept = [action.role(target) for target in remembered(self.domain, new, slot)]
         action.add((self.vocabulary.state("in", new, slot), token, anchor, *kept))
         self._bind_targets(action, new, slot)
+        self._keep_apart(action, new)
         self._start_writing(action, old, slot_before, new, slot)
         if len(old.slots) == 1 and not old.hold:
             action.add(("completed", token))
@@ -51,9 +52,12 @@ class EdgeOperators(OperatorMaker):
         """Require that the other tokens in a condition already fill their slots."""
         for other in new.others:
             if other.name in literal.arguments and other.name != slot:
-                kept = [action.role(target) for target in remembered(self.domain, new, other.name)]
-                fluent = self.vocabulary.state("in", new, other.name)
-                action.require((fluent, action.role(other.name), action.role(new.anchor), *kept))
+                self._know_filled(action, new, other.name)
+
+    def _know_filled(self, action: ActionBuilder, new: Block, slot: str) -> None:
+        """Require that the token of a slot, which becomes a parameter, already fills the slot."""
+        kept = [action.role(target) for target in remembered(self.domain, new, slot)]
+        action.require((self.vocabulary.state("in", new, slot), action.role(slot), action.role(new.anchor), *kept))
 
     def _claim(self, action: ActionBuilder, new: Block, slot: str) -> None:
         """Advance the claim on the anchor by one slot. The first slot requires an unclaimed anchor."""
@@ -126,23 +130,23 @@ class EdgeOperators(OperatorMaker):
         Tokens other than the anchor may read the token until they fill their slots. So `fill` cannot require this.
         """
         for slot in self.conditions.read_until_begin(new):
-            kept = [action.role(target) for target in remembered(self.domain, new, slot)]
-            token = action.role(slot)
-            action.require((self.vocabulary.state("in", new, slot), token, action.variable(new.anchor), *kept))
+            self._know_filled(action, new, slot)
             if slot not in unread:
-                action.require(("readers", token, self.vocabulary.none_reading))
+                action.require(("readers", action.variable(slot), self.vocabulary.none_reading))
 
     def _enter_anchor(self, action: ActionBuilder, old: Block, new: Block) -> None:
         anchor = action.variable(new.anchor)
         for target in new.targets:
             action.role(target.name)
+        for slot in self.conditions.bound_late(new):
+            self._know_filled(action, new, slot)
         if new.others:
             claimed = self.vocabulary.state("claimed", new, new.others[-1].name)
             action.replace((claimed, anchor), ("unclaimed", anchor))
             for bound in self.conditions.bound_by(new):
                 action.consume((self.vocabulary.state("for", new, bound), anchor, action.variable(bound)))
-            for slot in new.others:
-                action.add((self.vocabulary.state("full", new, slot.name), anchor))
+            for other in new.others:
+                action.add((self.vocabulary.state("full", new, other.name), anchor))
         elif self.conditions.claimable(new, new.anchor):
             action.require(("unclaimed", anchor))
         self._enter(action, old, old.anchor, new)

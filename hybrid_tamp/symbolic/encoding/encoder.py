@@ -12,8 +12,7 @@ Three predicates enforce the law of assignment. `readers` counts the running ins
 change the token only if this count is zero. `settled` says that the current block of a token does not change the token.
 `idle` keeps the reassignments of one instant together. An instance is identified by its block and its anchor.
 
-The encoding has two limits. Two blocks with several slots cannot begin at the same instant. An anchor cannot pass from
-a block with several slots to the same block.
+The encoding has one limit. Two blocks with several slots cannot begin at the same instant.
 """
 
 from collections.abc import Iterator
@@ -22,6 +21,7 @@ from dataclasses import dataclass, replace
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.chaining.chains import Chains, chain_blocks
+from hybrid_tamp.symbolic.chaining.repeats import copy_repeated
 from hybrid_tamp.symbolic.encoding.edge_operators import EdgeOperators
 from hybrid_tamp.symbolic.encoding.fill_order import order_slots
 from hybrid_tamp.symbolic.encoding.operator_maker import Meaning
@@ -58,6 +58,7 @@ def encode_domain(domain: Domain) -> EncodedDomain:
 
 
 def _encode(chains: Chains) -> EncodedDomain:
+    chains = copy_repeated(chains)
     vocabulary = Vocabulary(order_slots(chains.domain))
     built = list(_operators(vocabulary))
     names = name_apart({number: operator.name for number, (operator, _) in enumerate(built)})

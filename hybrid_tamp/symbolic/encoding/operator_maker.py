@@ -61,13 +61,16 @@ class OperatorMaker:
         for target in self.conditions.locked(new):
             action.require(("settled", action.variable(target.name)))
             action.count_readers(action.variable(target.name), +1)
-        for one, other in self.conditions.to_keep_apart(new, action.bound):
-            action.require(("distinct", action.variable(one), action.variable(other)))
+        self._keep_apart(action, new)
         self._start_writing(action, old, slot_before, new, new.anchor)
         if not new.hold and (old.hold or slot_before != old.anchor):
             action.consume(("completed", anchor))
         elif new.hold and not old.hold and slot_before == old.anchor:
             action.add(("completed", anchor))
+
+    def _keep_apart(self, action: ActionBuilder, new: Block) -> None:
+        for one, other in self.conditions.to_keep_apart(new, action.bound):
+            action.require(("distinct", action.variable(one), action.variable(other)))
 
     def _start_writing(self, action: ActionBuilder, old: Block, slot_before: str, new: Block, slot: str) -> None:
         """If the block changes the token of the slot, require that no instance reads the token. Update `settled`."""
