@@ -41,8 +41,7 @@ def network(
     from hybrid_tamp.verbs.network import network as find_network
 
     settings = Settings(domain, planner, began=context.obj)
-    with progress_bar(output is not None) as tell:
-        tell(0.0, "planning and drawing" if plan else "drawing")
+    with progress_bar("reading" if output is None else "planning and drawing" if plan else "drawing"):
         found = find_network(of, settings, file=output, reduced=reduced, plan=plan, force=force)
     document = network_document(found) | ({} if output is None else {"file": str(output)})
     say(document, as_json, lambda: network_table(found) if output is None else f"drawing: {output}")
