@@ -20,21 +20,24 @@ from hybrid_tamp.report.drawing.picture import draw_layout
 from hybrid_tamp.report.drawing.sizes import SLOT_SIZE, TITLE_SIZE, text_width
 from hybrid_tamp.report.drawing.wires import Edge, join_edges
 from hybrid_tamp.taskfile.domains import find_domain
+from hybrid_tamp.verbs.network import network
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+REDUCED = "roll_cylinder"
 CROSSINGS = {
-    "rolling_tumbling": 12,
-    "joint_lifting": 3,
-    "tool_use": 4,
+    "rolling_tumbling": 11,
+    "joint_lifting": 2,
+    "tool_use": 3,
     **{str(EXAMPLES / name / "domain.py"): 0 for name in ("sweeping", "drawer", "placing")},
 }
+CROSSINGS[REDUCED] = 0
 """Maps each domain to the largest number of crossings that its drawing may have."""
 NAMES = sorted(CROSSINGS)
 
 
 @cache
 def domain(name: str) -> Domain:
-    return find_domain(name)
+    return network(name, reduced=True) if name == REDUCED else find_domain(name)
 
 
 @cache
@@ -56,12 +59,10 @@ def drawn_edges(wire: DrawnWire) -> set[Edge]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_lines_show_exactly_the_edges_of_the_network(name: str) -> None:
-    seen = [drawn_edges(wire) for wire in layout(name).wires]
-    resting = domain(name).resting
-    wanted = {edge for wire in layout(name).wires for edge in wire.wire.edges}
-    assert wanted == set(domain(name).network.edges)
-    for wire, edges in zip(layout(name).wires, seen, strict=True):
-        assert {edge for edge in edges if edge[0][0] != edge[1][0] or edge[0][0] != resting} == set(wire.wire.edges)
+    for wire in layout(name).wires:
+        assert drawn_edges(wire) == set(wire.wire.edges)
+    edges = [edge for wire in layout(name).wires for edge in wire.wire.edges]
+    assert sorted(edges) == list(domain(name).network.edges)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -110,12 +111,6 @@ def test_a_wire_joins_all_edges_between_two_groups_of_slots() -> None:
     (mutual,) = join_edges(forth, lambda slot, other: "")
     assert mutual.both_ways
     assert sorted(mutual.edges) == sorted(forth)
-
-
-def test_wires_represent_every_edge_once() -> None:
-    for name in NAMES:
-        edges = [edge for wire in layout(name).wires for edge in wire.wire.edges]
-        assert sorted(edges) == list(domain(name).network.edges)
 
 
 def test_classes_have_different_colours_that_do_not_depend_on_the_blocks() -> None:

@@ -13,7 +13,7 @@ from hybrid_tamp.report.drawing.sizes import Sizes
 
 GUTTER, CHANNEL = 8, 4
 """Expected distances between columns and between rows, in units of the grid."""
-_CROSSING, _HIT, _BACKWARDS, _SHAPE, _SWAPPED = 30.0, 30.0, 1.2, 60.0, 12.0
+_CROSSING, _HIT, _BACKWARDS, _SHAPE, _SWAPPED = 45.0, 12.0, 1.2, 60.0, 12.0
 """Costs of a crossing, of a line behind a box, of each unit to the left, of a page of another shape, and of a pair of
 slots that is not in the order of the declaration."""
 _ASPECT = 1.7

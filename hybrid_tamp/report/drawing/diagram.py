@@ -109,5 +109,9 @@ def make_diagram(domain: Domain, marks: Iterable[Mark] = ()) -> Diagram:
     boxes = {block.name: Box(block.name, tuple(slot.name for slot in block.slots)) for block in domain.blocks}
     bar = boxes.pop(domain.resting)
     classes = (*(each.name for each in domain.classes if each is not TOKEN), TOKEN.name)
-    wires = join_edges(domain.network.edges, label)
-    return Diagram(domain.name, tuple(boxes.values()), bar, wires, class_of, classes, tuple(marks))
+    edges = set(domain.network.edges)
+    mutual = sorted((one, other) for one, other in edges if one[0] == bar.block != other[0] and (other, one) in edges)
+    # Each line to the bar is separate, so lines in both directions save more than joined lines.
+    wires = [Wire((one,), (other,), both_ways=True) for one, other in mutual]
+    wires += join_edges(edges.difference(*(wire.edges for wire in wires)), label)
+    return Diagram(domain.name, tuple(boxes.values()), bar, tuple(wires), class_of, classes, tuple(marks))

@@ -115,8 +115,10 @@ def _draw_wire(axes: "Axes", layout: Layout, wire: DrawnWire) -> None:
 def _draw_tokens(axes: "Axes", layout: Layout, wire: DrawnWire) -> None:
     """Draw the paths of tokens through a wire. If several tokens pass, their colours alternate."""
     passed, colours = layout.diagram.passed, token_colours(layout.diagram)
-    for line, tokens in token_strokes(wire, passed):
+    lines = [*token_strokes(wire, passed)]
+    for line, _ in lines:
         draw_stroke(axes, line, [PAGE], _PATH + _GAP)
+    for line, tokens in lines:
         draw_stroke(axes, line, [colours[token] for token in tokens], _PATH)
     for end, tokens in entered_ends(wire, passed).items():
         draw_head(axes, before(wire, end), end, colours[tokens[0]] if len(tokens) == 1 else INK, 1.4)

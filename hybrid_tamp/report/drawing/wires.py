@@ -23,7 +23,7 @@ class Wire:
     Attributes:
         sources: slots that tokens leave, sorted.
         targets: slots that tokens enter, sorted.
-        both_ways: whether tokens can also pass from each target to each source.
+        both_ways: whether tokens can also pass from the target to the source. If so, there is one of each.
     """
 
     sources: tuple[SlotName, ...]
@@ -52,7 +52,10 @@ def join_edges(edges: Iterable[Edge], label: Callable[[SlotName, SlotName], str]
     while left:
         forth, mutual = _neighbours(left), _neighbours({edge for edge in left if edge[::-1] in left})
         found = [(group, False) for group in _groups(forth)]
-        found += [(group, True) for group in _groups(mutual) if group[0].isdisjoint(group[1])]
+        # With more than two ends, a line in both directions would seem to lead between two ends on the same side.
+        found += [
+            ((frozenset((one,)), frozenset((other,))), True) for one in mutual for other in mutual[one] if one < other
+        ]
         (sources, targets), both_ways = min(found, key=_rank)
         chosen = set(product(sources, targets))
         left -= chosen | {edge[::-1] for edge in chosen if both_ways}
