@@ -159,13 +159,13 @@ def test_pictures_are_repeatable_and_show_marked_paths(kind: str) -> None:
 def test_graphviz_reads_the_graph(name: str) -> None:
     text = dot_text(make_diagram(domain(name)))
     (graph,) = pydot.graph_from_dot_data(text)
-    names = {node.get_name(): node.get("label") for node in graph.get_nodes()}
-    blocks = [block for block in domain(name).blocks if block.name != domain(name).resting]
-    blocks.append(domain(name).resting_block)
-    for index, block in enumerate(blocks):
-        assert block.name in names[f"b{index}"]
+    clusters = {each.get_label().strip('"'): each for each in graph.get_subgraphs()}
+    assert set(clusters) == {block.name for block in domain(name).blocks} | {"classes"}
     slots = {
-        f"b{i}:s{j}": (block.name, slot.name) for i, block in enumerate(blocks) for j, slot in enumerate(block.slots)
+        node.get_name(): (block.name, node.get_label().strip('"'))
+        for block in domain(name).blocks
+        for node in clusters[block.name].get_nodes()
+        if node.get_label()
     }
     edges = []
     for edge in graph.get_edges():
