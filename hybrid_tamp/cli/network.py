@@ -26,7 +26,7 @@ def network(
     planner: options.Planner = None,
     force: options.Force = False,
 ) -> None:
-    """Show the reassignment network of a domain or a task, or draw the network.
+    """Show or draw the network of a domain or a task.
 
     The table shows the slots that a token may enter after each slot.
 

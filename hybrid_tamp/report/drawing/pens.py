@@ -61,7 +61,7 @@ def draw_head(axes: "Axes", before: Point, end: Point, colour: str, scale: float
     x, y = ((end[axis] > before[axis]) - (end[axis] < before[axis]) for axis in (0, 1))
     back, side = (end[0] - size * x, end[1] - size * y), (-y * size / 2, x * size / 2)
     corners = [end, (back[0] + side[0], back[1] + side[1]), (back[0] - side[0], back[1] - side[1])]
-    axes.add_patch(Polygon(corners, closed=True, facecolor=colour, edgecolor="none", zorder=4))
+    axes.add_patch(Polygon(corners, closed=True, facecolor=colour, edgecolor="none", zorder=2))
 
 
 def _towards(corner: Point, other: Point) -> Point:
