@@ -103,6 +103,14 @@ def test_texts_fit_into_their_boxes(name: str) -> None:
         assert text_width(slot, SLOT_SIZE, False) < field.width
 
 
+def test_a_network_that_has_only_the_resting_block_is_drawn() -> None:
+    resting = domain(PLACING).resting_block
+    alone = replace(domain(PLACING), blocks=(resting,), network=domain(PLACING).network.restrict(()), reduced=True)
+    found = lay_out(make_diagram(alone))
+    assert text_width(resting.name, TITLE_SIZE, True) < found.boxes[resting.name].width
+    assert draw_layout(found, "png").startswith(b"\x89PNG")
+
+
 def test_a_wire_joins_all_edges_between_two_groups_of_slots() -> None:
     groups = [[(block, str(index)) for index in range(3)] for block in ("A", "B")]
     (wire,) = join_edges([(one, other) for one in groups[0] for other in groups[1]], lambda slot, other: "")

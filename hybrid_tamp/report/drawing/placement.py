@@ -51,7 +51,7 @@ class Placement:
     @cached_property
     def shape(self) -> tuple[int, int]:
         """Numbers of columns and rows."""
-        return max(column for column, _ in self.cells) + 1, max(row for _, row in self.cells) + 1
+        return max((c for c, _ in self.cells), default=0) + 1, max((r for _, r in self.cells), default=0) + 1
 
 
 def place_boxes(sizes: Sizes, seed: int, count: int) -> tuple[Placement, ...]:
@@ -59,7 +59,7 @@ def place_boxes(sizes: Sizes, seed: int, count: int) -> tuple[Placement, ...]:
 
     The slots have the cheapest order or the order of their declaration.
     """
-    return _Search(sizes, seed).run(count)
+    return _Search(sizes, seed).run(count) if sizes.diagram.boxes else (Placement((), (), ()),)
 
 
 class _Search:

@@ -34,10 +34,11 @@ class Sizes:
     @classmethod
     def of(cls, diagram: Diagram) -> "Sizes":
         """Return the sizes at which all names fit into the boxes."""
-        names = [box.block for box in diagram.boxes]
+        boxes = (*diagram.boxes, diagram.bar)
+        names = [box.block for box in boxes]
         texts = [(part, TITLE_SIZE, True) for name in names for part in split_mode(name) if part]
-        texts += [(slot, SLOT_SIZE, False) for box in diagram.boxes for slot in box.slots]
-        widest = max((text_width(*each) for each in texts), default=0.0)
+        texts += [(slot, SLOT_SIZE, False) for box in boxes for slot in box.slots]
+        widest = max(text_width(*each) for each in texts)
         return cls(diagram, _PADDING + int(-(-widest // GRID)), 5 if any(split_mode(name)[1] for name in names) else 4)
 
     @cached_property
