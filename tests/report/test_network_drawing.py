@@ -89,9 +89,21 @@ def test_no_line_passes_behind_a_box_and_no_two_wires_share_a_line(name: str) ->
                 assert not (box.x < middle[0] < box.x + box.width and box.y < middle[1] < box.y + box.height)
 
 
+def passes_straight(graph: "nx.Graph[Point]", point: Point) -> bool:
+    others = list(graph[point])
+    return len(others) == 2 and any(len({point[axis], *(other[axis] for other in others)}) == 1 for axis in (0, 1))
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_crossings_are_few(name: str) -> None:
-    assert layout(name).crossings <= CROSSINGS[name]
+def test_wires_only_meet_where_both_pass_straight_and_seldom(name: str) -> None:
+    graphs = [nx.Graph(line for line in wire.lines if line[0] != line[1]) for wire in layout(name).wires]
+    crossings = 0
+    for one, other in combinations(graphs, 2):
+        for point in {*one} & {*other}:
+            assert passes_straight(one, point)
+            assert passes_straight(other, point)
+            crossings += 1
+    assert crossings == layout(name).crossings <= CROSSINGS[name]
 
 
 @pytest.mark.parametrize("name", NAMES)
