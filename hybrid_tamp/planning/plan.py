@@ -72,6 +72,21 @@ def _log_outcome(outcome: PlanOutcome) -> None:
     _LOG.info("%s planned %s in %.2f s: %s (%s)", figures.name, outcome.task.name, figures.seconds, found, stages)
 
 
+def tailor_network(task: Task) -> PlannedNetwork:
+    """Return the network with which planning begins.
+
+    The network is reduced, and contains the objects without which no block achieves an atom of the goal. If the planner
+    finds no plan, `plan_task` adds more objects.
+    """
+    if task.unsettled:
+        return PlannedNetwork.of(task, task)
+    tailored = _TailoredNetwork(task, Deadline.after(task.limits.time))
+    while tailored.can_widen and (why := tailored.unreachable):
+        tailored.deadline.check()
+        tailored.widen(why)
+    return tailored.network
+
+
 class _TailoredNetwork:
     """The current tailored network of a task, with the planning time so far.
 
