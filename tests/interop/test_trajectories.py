@@ -88,5 +88,5 @@ def test_a_file_is_replaced_only_by_force(rolled: Recording, tmp_path: Path) -> 
 
 
 def test_a_folder_without_a_run_has_no_trajectories(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"recording\.npz: not a recording of a run"):
+    with pytest.raises(InputError, match=r"recording\.npz: there is no recording of a run"):
         save_trajectories(tmp_path, tmp_path / "none.csv")
