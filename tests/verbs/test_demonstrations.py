@@ -139,7 +139,7 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
         hybrid_tamp.learn("REACHING:behind", [])
     with pytest.raises(InputError, match="one weight"):
         hybrid_tamp.learn("REACHING:behind", [tmp_path / "d.csv"], weights=0)
-    with pytest.raises(InputError, match="a recording of a run"):
+    with pytest.raises(InputError, match="no recording of a run"):
         hybrid_tamp.learn("REACHING:behind", [tmp_path])
     learnt = hybrid_tamp.learn("REACHING:behind", [tmp_path / "d.csv"])
     with pytest.raises(InputError, match="force=True replaces"):
