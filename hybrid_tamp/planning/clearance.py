@@ -6,9 +6,7 @@ part in the movement, by bisection on distances (`collision.sweeps`). Contacts t
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from hybrid_tamp.collision.bodies import Body, Pose, bodies_of, find_nearest, pose_of
+from hybrid_tamp.collision.bodies import Body, Pose, bodies_of, bound_distance, find_nearest, pose_of
 from hybrid_tamp.collision.sweeps import Clearance, Track, find_clearance
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.contacts import ContactRules
@@ -67,9 +65,8 @@ def _find_least(task: Task, instance: BlockInstance, rollouts: Rollouts, others:
         [token.name for token in task.tokens if token.fixed_body],
         task.token_by_name,
     )
-    tracks = list(_tracks(task, instance, rollouts))
     best: Clearance | None = None
-    for track in tracks:
+    for track in _tracks(task, instance, rollouts):
         begin = track.at(0.0)
         near = [
             (body, pose)
@@ -83,8 +80,9 @@ def _find_least(task: Task, instance: BlockInstance, rollouts: Rollouts, others:
 
 
 def _touch(one: Body, at: Pose, other: Body, there: Pose) -> bool:
-    apart = float(np.linalg.norm(at.position - there.position)) - one.reach - other.reach
-    return apart <= _TOUCHING and find_nearest(one, at, other, there).distance <= _TOUCHING
+    return (
+        bound_distance(one, at, other, there) <= _TOUCHING and find_nearest(one, at, other, there).distance <= _TOUCHING
+    )
 
 
 def _tracks(task: Task, instance: BlockInstance, rollouts: Rollouts) -> Iterator[Track]:

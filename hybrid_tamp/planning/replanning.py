@@ -61,18 +61,16 @@ def plan_and_refine(
             return _give_up(outcome) if excluded and outcome.status != "limit" else outcome
         try:
             refined = _optimise(outcome, outcome.plan, progress, backend, processes or count_processors(), deadline)
+            if refined.shortfall is None:
+                collision = find_collision(outcome.chosen or task, refined.plan, deadline)
+                refined = replace(refined, shortfall=collision)
         except LimitReached as limit:
             return replace(outcome, failure=PlanningFailure.of(limit))
-        if refined.shortfall is None:
-            collision = find_collision(outcome.chosen or task, refined.plan, deadline)
-            refined = replace(refined, shortfall=collision)
         if refined.shortfall is None:
             return replace(outcome, plan=refined.plan, refinement=refined)
         planned = outcome.plan
         failing = _failing_instance(current, planned, refined.shortfall)
-        _LOG.info(
-            "no hyperparameters satisfy %s of %s, so the plan is refused", refined.shortfall.atom.text, failing.name
-        )
+        _LOG.info("the plan is refused, because in %s, %s", failing.name, refined.shortfall.text)
         excluded = (*excluded, Exclusion(failing, refined.shortfall))
         outcome = replace(outcome, excluded=excluded)
         try:

@@ -7,7 +7,9 @@ import pytest
 from ruamel.yaml import YAML
 
 import hybrid_tamp
+from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.outcome import PlanOutcome
+from hybrid_tamp.planning import replanning
 from hybrid_tamp.taskfile.domains import find_task_file
 
 
@@ -45,3 +47,12 @@ def test_if_the_path_to_one_region_is_blocked_the_drum_rolls_to_the_other_region
     (rolling,) = (each for each in found.plan.instances if each.block == "ROLLING")
     assert rolling.targets["region"] == "near"
     assert [each.shortfall.text.rpartition(",")[0] for each in found.excluded] == ["drum hits crate"]
+
+
+def test_a_limit_during_the_check_keeps_the_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*_: object) -> None:
+        raise LimitReached("time is up", limit="time")
+
+    monkeypatch.setattr(replanning, "find_collision", stop)
+    found = hybrid_tamp.plan("roll_cylinder", optimise=True)
+    assert (found.status, found.plan is None) == ("limit", False)
