@@ -47,12 +47,9 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
             inertia = inertia + hand["mass"] * dot(lever, lever)
             moment = moment + dot(cross(lever, force_on(hand, state, commands)), axis)
         speed = np.where(touching, dot(state[thing, "angular_velocity"], axis) + moment / inertia * dt, 0.0)
-        angle = np.arctan2(-turned[..., 2, 2], -turned[..., 3, 2])
-        after = np.clip(angle + speed * dt, 0.0, np.pi / 2)
-        # If the floor stops the box, the step ends exactly on the floor, with zero speed.
-        still = np.where(np.abs(after - angle - speed * dt) > 1e-12, 0.0, 1.0)[..., None]
-        spin = axis * ((after - angle) / dt)[..., None]
-        turn = quaternion_from_axis_angle(axis, after - angle, unit=True)
+        angle, still = _turn_to_floor(turned, speed * dt)
+        spin = axis * (angle / dt)[..., None]
+        turn = quaternion_from_axis_angle(axis, angle, unit=True)
         carried = rotate(turn[..., None, :], np.stack([*levers, arm], axis=-2))
         changes: dict[tuple[str, str], FloatArray] = {}
         for index, (hand, _) in enumerate(hands):
@@ -66,6 +63,16 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
         return state.replace(changes)
 
     return system
+
+
+def _turn_to_floor(turned: FloatArray, wanted: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the angle [rad] by which the box turns in a step, and 0 if the floor stops the box, or else 1.
+
+    If the floor stops the box, the step ends exactly on the floor, with zero speed.
+    """
+    angle = np.arctan2(-turned[..., 2, 2], -turned[..., 3, 2])
+    after = np.clip(angle + wanted, 0.0, np.pi / 2)
+    return after - angle, np.where(np.abs(after - angle - wanted) > 1e-12, 0.0, 1.0)[..., None]
 
 
 def _body_vectors(roles: Roles) -> FloatArray:

@@ -55,6 +55,11 @@ def plan(
                 task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
             )
     _show(outcome, as_json)
+    _judge(outcome)
+
+
+def _judge(outcome: "PlanOutcome") -> None:
+    """If planning failed, exit, and print the error unless the explanation states it."""
     if outcome.error is not None:
         if outcome.explanation is None or outcome.explanation.stopped is not None:
             typer.echo(str(outcome.error), err=True)

@@ -67,18 +67,11 @@ def run(
         run_and_draw = partial(run_here, video=video, gif=gif, size=parse_size(size))
         with progress_bar() as tell, _pointing_at(output / _PAGE):
             result = run_and_draw(force=force, compare=compare, progress=tell)
-    _show(result, as_json)
-    if not as_json:
-        _point_to({"page": output / _PAGE, "video": video, "GIF": gif})
+    _show(result, as_json, {"page": output / _PAGE, "video": video, "GIF": gif})
     _judge(result, as_json)
     if not as_json:
         typer.echo(f"next: hybrid-tamp explain {task}\n      hybrid-tamp replay {output}")
         typer.echo(f"total time with pictures: {time.monotonic() - context.obj:.1f} s")
-
-
-def _point_to(written: Mapping[str, Path | None]) -> None:
-    """Print the path of each file that was written."""
-    typer.echo("\n".join(f"{kind}: {path}" for kind, path in written.items() if path))
 
 
 @contextmanager
@@ -107,7 +100,7 @@ def _judge(result: "RunResult", as_json: bool) -> None:
         typer.echo(f"The goal was reached after {result.recording.duration:.2f} s of simulated time.")
 
 
-def _show(result: "RunResult", as_json: bool) -> None:
+def _show(result: "RunResult", as_json: bool, written: Mapping[str, Path | None]) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.refinement_tables import comparison_table, refinement_tables
     from hybrid_tamp.report.tables import plan_table, result_table
@@ -120,4 +113,5 @@ def _show(result: "RunResult", as_json: bool) -> None:
         lambda: refinement_tables(plan["refinement"], shown["performance"]) if plan["refinement"] else "",
         lambda: result_table(shown),
         lambda: comparison_table(shown["comparison"]) if shown["comparison"] else "",
+        lambda: "\n".join(f"{kind}: {path}" for kind, path in written.items() if path),
     )

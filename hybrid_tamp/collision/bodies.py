@@ -14,7 +14,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_multiply, rotate
+from hybrid_tamp.motion.poses import rotate
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,8 @@ class Body:
             cores = make_cores(self.shape, depth)
             self._solids[depth] = [(core, fcl.CollisionObject(core.geometry)) for core in cores]
         for core, thing in self._solids[depth]:
-            x, y, z, w = quaternion_multiply(pose.orientation, core.orientation)
-            position = pose.position + rotate(pose.orientation, core.position)
-            thing.setTransform(fcl.Transform(np.array([w, x, y, z]), position))
+            axes, position = rotate(pose.orientation, core.axes), rotate(pose.orientation, core.position)
+            thing.setTransform(fcl.Transform(axes.T, pose.position + position))
             yield core, thing
 
 

@@ -52,7 +52,7 @@ class EngineResult:
         status: status of planning, or None if the engine does not accept the task.
         actions: number of actions of the plan, or None if there is no plan.
         makespan: duration of the plan [s], or None if there is no plan.
-        seconds: duration of planning [s].
+        seconds: duration of planning [s], or None if the engine does not accept the task.
         message: what is known about the length of the plan, or why there is no plan.
     """
 
@@ -60,5 +60,5 @@ class EngineResult:
     status: Status | None
     actions: int | None
     makespan: float | None
-    seconds: float
+    seconds: float | None
     message: str

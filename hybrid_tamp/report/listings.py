@@ -48,7 +48,8 @@ def comparison_of_planners(task: str, results: Iterable[EngineResult]) -> Render
     headings = ("|planner", "status", ">actions", ">makespan [s]", ">planning [s]", "")
     table = new_table(f"Plans of {task}", *headings, framed=False)
     for each in results:
-        makespan = "-" if each.makespan is None else f"{each.makespan:.2f}"
-        cells = (each.planner, each.status or "refused", str(each.actions or "-"), makespan, f"{each.seconds:.2f}")
-        table.add_row(*map(Text, (*cells, each.message)))
+        times = ("-" if time is None else f"{time:.2f}" for time in (each.makespan, each.seconds))
+        table.add_row(
+            *map(Text, (each.planner, each.status or "refused", str(each.actions or "-"), *times, each.message))
+        )
     return table

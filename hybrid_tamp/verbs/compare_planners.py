@@ -1,6 +1,5 @@
 """The option ``plan --compare-planners``: plan one task with all installed engines."""
 
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -42,18 +41,15 @@ def _results(
 ) -> Iterator[EngineResult]:
     for number, name in enumerate(names):
         tell(number / len(names), name)
-        task, deadline = load_timed(source, replace(settings, planner=name, began=time.monotonic()))
-        began = time.monotonic()
+        task, deadline = load_timed(source, replace(settings, planner=name, began=None))
         try:
-            outcome = plan_task(task, planner, deadline)
+            yield _summarise(name, plan_task(task, planner, deadline))
         except InputError as error:
-            yield EngineResult(name, None, None, None, time.monotonic() - began, str(error.issues[0]))
-        else:
-            yield _summarise(name, outcome, time.monotonic() - began)
+            yield EngineResult(name, None, None, None, None, str(error.issues[0]))
 
 
-def _summarise(name: str, outcome: PlanOutcome, seconds: float) -> EngineResult:
+def _summarise(name: str, outcome: PlanOutcome) -> EngineResult:
     messages = {"solved": outcome.planner.fewest or "", "unsolvable": ""}
     known = messages.get(outcome.status, outcome.failure.message if outcome.failure else "")
     actions = None if outcome.plan is None else len(outcome.plan.actions)
-    return EngineResult(name, outcome.status, actions, outcome.makespan, seconds, known)
+    return EngineResult(name, outcome.status, actions, outcome.makespan, outcome.planner.seconds, known)

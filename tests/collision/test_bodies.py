@@ -1,5 +1,7 @@
 """Distances of bodies, compared with closed forms."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,9 @@ from hypothesis import strategies as st
 
 from hybrid_tamp.collision.bodies import Body, Pose, bound_distance, find_nearest
 from hybrid_tamp.collision.cores import CORNER_ERROR
+from hybrid_tamp.geometry.meshes import MeshShape
 from hybrid_tamp.geometry.shapes import Box, BoxPart, Compound, Cylinder, Sphere
+from hybrid_tamp.geometry.surfaces import hulls_of
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_from_rpy, quaternion_multiply, rotate
 
@@ -85,3 +89,12 @@ def test_the_distance_of_the_balls_around_two_bodies_is_a_lower_bound(
 ) -> None:
     bodies = (drum(), Pose(one, turn), box(0.1, 0.2, 0.3), Pose(other, another))
     assert bound_distance(*bodies) <= distance(*bodies) + 1e-3
+
+
+def test_a_mesh_is_a_solid_body() -> None:
+    """Its single part is a cube, so its distances are those of a box, also inside."""
+    cube = hulls_of(Box(kind="box", half_extents=(0.2, 0.2, 0.2)))
+    mesh = Body("mesh", MeshShape.of(Path("cube.obj"), 1.0, "", cube))
+    for x, exact in ((0.5, 0.2), (0.3, 0.0), (0.2, -0.1)):
+        found = distance(mesh, Pose(np.zeros(3), UPRIGHT), ball(0.1), Pose(np.array([x, 0.0, 0.0]), UPRIGHT))
+        assert found == pytest.approx(exact, abs=2e-3)

@@ -17,7 +17,6 @@ BEGINNINGS = {
 """Modules that store the time at which a command begins."""
 DURATIONS = {
     "hybrid_tamp/cli/run.py",
-    "hybrid_tamp/execution/execute.py",
     "hybrid_tamp/midlevel/physics_refinement.py",
     "hybrid_tamp/midlevel/refinement.py",
     "hybrid_tamp/midlevel/summary.py",
@@ -25,7 +24,6 @@ DURATIONS = {
     "hybrid_tamp/symbolic/engines/planner_process.py",
     "hybrid_tamp/symbolic/find_plan.py",
     "hybrid_tamp/symbolic/strategies/search.py",
-    "hybrid_tamp/verbs/compare_planners.py",
     "hybrid_tamp/verbs/imitate.py",
     "hybrid_tamp/verbs/run.py",
 }

@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw, ImageFilter
 from scipy.spatial import ConvexHull, QhullError
 
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import cross
 from hybrid_tamp.physics.pictures.appearance import Colour
 from hybrid_tamp.physics.pictures.view import View
 
@@ -51,7 +52,7 @@ class Region:
 def light_direction(view: View) -> FloatArray:
     """Return the vector to the light in the world frame, with a vertical component of 1."""
     right = view.axes[0]
-    toward = np.cross(right, [0.0, 0.0, 1.0])
+    toward = cross(right, np.array([0.0, 0.0, 1.0]))
     return np.asarray(LIGHT[0] * right + LIGHT[1] * toward + LIGHT[2] * np.array([0.0, 0.0, 1.0]))
 
 

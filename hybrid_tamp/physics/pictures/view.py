@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import cross, normalized
 from hybrid_tamp.physics.pictures.camera import FIELD_OF_VIEW, Camera
 
 Rectangle = tuple[int, int, int, int]
@@ -31,9 +32,8 @@ class View:
     def axes(self) -> FloatArray:
         """Unit vectors to the right, up and backward in the world frame, as rows of shape ``(3, 3)``."""
         back = (self.camera.eye - self.camera.target) / self.camera.distance
-        right = np.cross([0.0, 0.0, 1.0], back)
-        right /= np.linalg.norm(right)
-        return np.stack([right, np.cross(back, right), back])
+        right = normalized(cross(np.array([0.0, 0.0, 1.0]), back))
+        return np.stack([right, cross(back, right), back])
 
     @cached_property
     def focal(self) -> float:
