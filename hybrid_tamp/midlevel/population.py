@@ -158,6 +158,7 @@ class Population:
         self.invariants = np.full((count, len(model.block.invariants)), np.inf)
         self.figures = np.array([[-np.inf if m.peak else 0.0 for m in self.measures]] * count).reshape(count, -1)
         self.done = 0  # control steps so far
+        self.path = [start]  # states of a single candidate, with those after its exit
         self._restrict(np.arange(count))
 
     def _restrict(self, rows: IntArray) -> None:
@@ -180,6 +181,8 @@ class Population:
             values.append(self.state.values)
             commanded.append(commands)
         chunk = np.stack(values[1:])  # (t, n, m)
+        if len(self.start) == 1:
+            self.path.append(chunk[:, 0])
         run = self.model.state(chunk)
         elapsed = (self.done + 1 + np.arange(count)) * CONTROL_PERIOD
         reached = self.model.holding(run, elapsed >= self.model.shortest)

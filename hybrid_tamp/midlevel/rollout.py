@@ -63,8 +63,7 @@ class Rollouts:
             self._traced = _Chain(self.task, self._simulations, {}, 1)
             self._roll_out(self._traced, None)
         running = self._traced.begun[name]
-        assert running.stretch is not None
-        return self._simulations[name].trace(running.start[0], running.chosen, int(running.stretch.steps[0]))
+        return self._simulations[name].trace(running.start, running.chosen)
 
     def _roll_out(self, chain: "_Chain", until: str | None) -> Rollout:
         chain.begin(initial(self.plan), np.zeros(chain.count, dtype=np.int64))

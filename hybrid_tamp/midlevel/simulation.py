@@ -20,6 +20,7 @@ class Simulation(InstanceModel):
         super().__init__(task, instance)
         self._deadline = deadline
         self._known: dict[bytes, Stretch] = {}
+        self._paths: dict[bytes, FloatArray] = {}
 
     def run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
         """Roll out the instance until its exit conditions hold.
@@ -31,14 +32,15 @@ class Simulation(InstanceModel):
             start: initial states of the instance's tokens. Shape ``(n, m)``.
             chosen: maps each hyperparameter to the values of all candidates. Shape ``(n,)``.
         """
-        table = np.column_stack([start, *(chosen[h.name] for h in self.block.hyperparameters)])
+        table = self._table(start, chosen)
         _, first, inverse = np.unique(table, axis=0, return_index=True, return_inverse=True)
         inverse = inverse.reshape(-1)
         if len(first) > 1:
-            return self._run(start[first], {name: value[first] for name, value in chosen.items()}).rows(inverse)
+            return self._run(start[first], {name: value[first] for name, value in chosen.items()})[0].rows(inverse)
         key = table[0].tobytes()
         if key not in self._known:
-            self._known[key] = self._run(start[first], {name: value[first] for name, value in chosen.items()})
+            found = self._run(start[first], {name: value[first] for name, value in chosen.items()})
+            self._known[key], self._paths[key] = found
         return self._known[key].rows(inverse)
 
     def hold(self, start: FloatArray, chosen: Mapping[str, FloatArray], begun: Stretch, until: IntArray) -> FloatArray:
@@ -65,36 +67,27 @@ class Simulation(InstanceModel):
             state = after
         return held
 
-    def trace(self, start: FloatArray, chosen: Mapping[str, FloatArray], steps: int) -> State:
-        """Return the states of the instance's tokens during the first control steps, for one candidate.
+    def trace(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> State:
+        """Return the states ``(t + 1, m)`` from the start to the exit in an earlier `run` of a single candidate.
 
-        Args:
-            start: initial state ``(m,)``.
-            chosen: maps each hyperparameter to its value, shape ``(1,)``.
-            steps: number t of control steps.
-
-        Returns:
-            States ``(t + 1, m)``, beginning with the initial state.
+        `start` has shape ``(1, m)``, and the values in `chosen` have shape ``(1,)``.
         """
-        model = self.start_from(start[None], chosen)
-        states = [start[None]]
-        for step in range(steps):
-            if step % CHUNK == 0:
-                self._deadline.check()
-            elapsed = np.asarray(step * CONTROL_PERIOD, dtype=np.float64)
-            with np.errstate(all="ignore"):
-                states.append(model.step(elapsed, self.state(states[-1]))[0].values)
-        return self.state(np.concatenate(states))
+        key = self._table(start, chosen)[0].tobytes()
+        return self.state(self._paths[key][: int(self._known[key].steps[0]) + 1])
 
-    def _run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> Stretch:
+    def _table(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> FloatArray:
+        return np.column_stack([start, *(chosen[h.name] for h in self.block.hyperparameters)])
+
+    def _run(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> tuple[Stretch, FloatArray]:
+        """Return the rollouts of all candidates, and the states of a single candidate, shape ``(t, m)``."""
         if not self.block.moves:
-            return self._stay(start)
+            return self._stay(start), start
         population = Population(self, start, chosen)
         with np.errstate(all="ignore"):
             while population.pending.any():
                 self._deadline.check()
                 population.advance()
-            return population.stretch()
+            return population.stretch(), np.concatenate(population.path)
 
     def _stay(self, start: FloatArray) -> Stretch:
         """Return the rollout of a block that moves no tokens.

@@ -69,6 +69,11 @@ class Reason:
         return "" if self.lacks is None else self.lacks.name
 
 
+def suggest(length: int, what: str) -> str:
+    """Return the sentence that a changed task has a plan with a number of actions."""
+    return f"There is a plan of {length} actions with {what}."
+
+
 @dataclass(frozen=True)
 class Suggestion:
     """A single change of the task for which the planner found a plan.
@@ -89,7 +94,7 @@ class Suggestion:
     @property
     def text(self) -> str:
         """The change and the length of the plan as a sentence."""
-        return f"There is a plan of {self.length} actions with {self.change.what}."
+        return suggest(self.length, self.change.what)
 
 
 @dataclass(frozen=True)

@@ -46,17 +46,13 @@ def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) ->
         return PlanOutcome(task, figures, network, failure=PlanningFailure(CLASS_UNKNOWN))
     tailored = _TailoredNetwork(task, deadline or Deadline.after(task.limits.time))
     try:
-        while tailored.can_widen:
-            tailored.deadline.check()
-            why = tailored.unreachable
-            if not why:
-                planned = _extend(tailored, find_plan(tailored.reduction.task, planner, tailored.deadline, relax=True))
-                if planned.status not in _WITHOUT:
-                    break
-                why = _WITHOUT[planned.status]
-            tailored.widen(why)
-        else:
-            planned = _extend(tailored, find_plan(tailored.reduction.task, planner, tailored.deadline))
+        while True:
+            tailored.reach_goal()
+            relax = tailored.can_widen
+            planned = _extend(tailored, find_plan(tailored.reduction.task, planner, tailored.deadline, relax=relax))
+            if not relax or planned.status not in _WITHOUT:
+                break
+            tailored.widen(_WITHOUT[planned.status])
     except LimitReached as limit:
         figures = PlannerFigures(task.planner, tailored.elapsed)
         return PlanOutcome(task, figures, tailored.network, failure=PlanningFailure.of(limit))
@@ -81,9 +77,7 @@ def tailor_network(task: Task) -> PlannedNetwork:
     if task.unsettled:
         return PlannedNetwork.of(task, task)
     tailored = _TailoredNetwork(task, Deadline.after(task.limits.time))
-    while tailored.can_widen and (why := tailored.unreachable):
-        tailored.deadline.check()
-        tailored.widen(why)
+    tailored.reach_goal()
     return tailored.network
 
 
@@ -128,6 +122,18 @@ class _TailoredNetwork:
     def network(self) -> PlannedNetwork:
         """Description of the current network."""
         return PlannedNetwork.of(self.task, self.reduction.task, self.added)
+
+    def reach_goal(self) -> None:
+        """Add objects to the network until its blocks achieve every goal atom, or until no objects remain.
+
+        Raises:
+            LimitReached: if the deadline passes.
+        """
+        while self.can_widen:
+            self.deadline.check()
+            if not (why := self.unreachable):
+                return
+            self.widen(why)
 
     def widen(self, why: str) -> None:
         """Add the next objects to the network for the reason ``why``.

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from hybrid_tamp.model.disagreement import DomainReport
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.explanation import suggest
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.report.documents import Json
 
@@ -157,7 +158,7 @@ def reasons(explanation: Json) -> list[str]:
     """Return a line for each reason why there is no plan, and for each change that makes the task solvable."""
     found = explanation["suggestions"]
     lines = [f"{reason['goal']}: {reason['message']}" for reason in explanation["reasons"]]
-    lines += [f"There is a plan of {each['length']} actions with {each['what']}." for each in found]
+    lines += [suggest(each["length"], each["what"]) for each in found]
     if explanation["kind"] in ("unsolvable", "safety") and not found:
         lines.append(_NO_SINGLE_CHANGE if explanation["all_looked_at"] else _NONE_FOUND)
     if explanation["together"]:
