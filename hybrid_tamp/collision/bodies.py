@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hybrid_tamp.collision.cores import DEPTHS, Core, make_cores
-from hybrid_tamp.geometry.convex import lowest_height, placed
+from hybrid_tamp.geometry.convex import lowest_height, placed, reach_of
 from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -49,8 +49,7 @@ class Body:
 
     def __init__(self, name: str, shape: Shape) -> None:
         self.name, self.shape = name, shape
-        solids = placed(shape, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
-        self.reach = max(float(np.linalg.norm(solid.position)) + solid.reach for solid in solids)
+        self.reach = reach_of(shape)
         self._solids: dict[float | None, list[tuple[Core, Any]]] = {}
 
     def height(self, pose: Pose) -> float:

@@ -111,6 +111,12 @@ def _core(shape: Solid) -> tuple[FloatArray, float, float]:
     return np.zeros(3), 0.0, shape.radius
 
 
+def reach_of(shape: Shape) -> float:
+    """Return the radius of a ball around the origin of the body frame that contains a shape [m]."""
+    solids = placed(shape, np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
+    return max(float(np.linalg.norm(solid.position)) + solid.reach for solid in solids)
+
+
 def lowest_height(body: Body) -> float:
     """Return the height of the body's lowest point in the world frame [m]."""
     return min(float(part.support(np.array([0.0, 0.0, -1.0]))[2]) for part in body)

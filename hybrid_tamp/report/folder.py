@@ -114,11 +114,24 @@ def write_new_file(path: Path, text: str, what: str, *, force: bool = False) -> 
     Raises:
         InputError: the file exists and `force` is false, or the file cannot be written.
     """
-    if path.is_dir() or (path.exists() and not force):
-        came = "a folder" if path.is_dir() else "an existing file"
-        wanted = f"the file for {what} must not exist yet"
-        raise InputError([Issue(str(path), wanted, came, remedy="force=True replaces the existing file")])
+    check_new_file(path, what, force=force)
     RunFolder(path.parent).write_text(path.name, text)
+
+
+def check_new_file(path: Path, what: str, *, force: bool = False) -> None:
+    """Raise `InputError` if a path is a folder, or an existing file and `force` is false. `what` is for messages."""
+    if path.is_dir():
+        raise InputError([Issue(str(path), f"{what} must be a file", "a folder")])
+    if path.exists() and not force:
+        wanted, remedy = f"the file for {what} must not exist yet", "force=True replaces the existing file"
+        raise InputError([Issue(str(path), wanted, "an existing file", remedy=remedy)])
+
+
+def check_parent(path: Path, what: str) -> None:
+    """Raise `InputError` if the folder of a file does not exist. `what` is for messages."""
+    if not path.parent.is_dir():
+        came = "which is a file" if path.parent.exists() else "which does not exist"
+        raise InputError([Issue(str(path), f"{what} must be in an existing folder", f"{path.parent}, {came}")])
 
 
 def _unwritable(path: Path, error: OSError) -> InputError:

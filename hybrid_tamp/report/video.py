@@ -14,6 +14,7 @@ from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.report.folder import check_parent
 from hybrid_tamp.report.frames import Frames
 from hybrid_tamp.report.layout import Picture
 
@@ -92,9 +93,7 @@ def check_film(path: Path | None, kind: str, suffix: str) -> None:
         return
     if path.suffix.lower() != suffix:
         raise InputError([Issue(str(path), f"the name of the {kind} must end in {suffix}")])
-    if not path.parent.is_dir():
-        came = "which is a file" if path.parent.exists() else "which does not exist"
-        raise InputError([Issue(str(path), f"the {kind} must be in an existing folder", f"{path.parent}, {came}")])
+    check_parent(path, f"the {kind}")
 
 
 def _encoder(path: Path, picture: Picture) -> Generator[None, Picture | None, None]:

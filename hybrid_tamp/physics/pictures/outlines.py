@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from hybrid_tamp.geometry.meshes import Hull
-from hybrid_tamp.geometry.shapes import Box, Cylinder, Solid, solids_of
+from hybrid_tamp.geometry.convex import reach_of
+from hybrid_tamp.geometry.shapes import solids_of
 from hybrid_tamp.geometry.triangles import placed_solid
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
@@ -19,20 +19,8 @@ def bounding_box(token: Token) -> tuple[FloatArray, FloatArray]:
 
 
 def bounding_radius(token: Token) -> float:
-    """Return the radius [m] of a sphere about a token's origin that contains all meshes of the token."""
-    if token.shape is None:
-        return disc_radius(token)
-    return max(float(np.linalg.norm(each.position)) + _radius(each) for each in solids_of(token.shape))
-
-
-def _radius(shape: Solid | Hull) -> float:
-    if isinstance(shape, Hull):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    if isinstance(shape, Cylinder):
-        return float(np.hypot(shape.radius, shape.length / 2))
-    if isinstance(shape, Box):
-        return float(np.linalg.norm(shape.half_extents))
-    return shape.radius
+    """Return the radius [m] of a sphere about a token's origin that contains the token, or its disc."""
+    return disc_radius(token) if token.shape is None else reach_of(token.shape)
 
 
 def disc_radius(token: Token) -> float:

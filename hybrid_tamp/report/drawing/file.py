@@ -9,7 +9,7 @@ from hybrid_tamp.report.drawing.dot import dot_text
 from hybrid_tamp.report.drawing.layout import lay_out
 from hybrid_tamp.report.drawing.mermaid import mermaid_text
 from hybrid_tamp.report.drawing.picture import draw_layout
-from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.folder import RunFolder, check_new_file, check_parent
 
 _FORMATS: dict[str, Callable[[Diagram], bytes]] = {
     ".svg": lambda diagram: draw_layout(lay_out(diagram), "svg"),
@@ -29,13 +29,8 @@ def check_drawing(path: Path, *, force: bool = False) -> None:
     if path.suffix.lower() not in _FORMATS:
         wanted = "the name of the drawing must end in .svg, .png, .dot (Graphviz) or .mmd (Mermaid)"
         raise InputError([Issue(str(path), wanted, path.suffix or "no suffix")])
-    if not path.parent.is_dir():
-        came = "which is a file" if path.parent.exists() else "which does not exist"
-        raise InputError([Issue(str(path), "the drawing must be in an existing folder", f"{path.parent}, {came}")])
-    if path.is_dir():
-        raise InputError([Issue(str(path), "the drawing must be a file", "a folder")])
-    if path.exists() and not force:
-        raise InputError([Issue(str(path), "the file of the drawing must not exist", remedy="force=True replaces it")])
+    check_parent(path, "the drawing")
+    check_new_file(path, "the drawing", force=force)
 
 
 def write_drawing(diagram: Diagram, path: Path) -> None:
