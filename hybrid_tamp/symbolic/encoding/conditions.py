@@ -7,6 +7,7 @@ several fills mention the same target, the first fill binds the target. Later fi
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, product
 
 from hybrid_tamp.model.block import Block, Slot, Target
@@ -38,6 +39,14 @@ class Conditions:
 
     def bound_by(self, block: Block) -> dict[str, str]:
         """Return a dictionary that maps each target to the first slot whose `fill` mentions the target."""
+        return self._bound_by[block.name]
+
+    @cached_property
+    def _bound_by(self) -> dict[str, dict[str, str]]:
+        # Every operator of a block asks for its targets.
+        return {block.name: self._find_bound(block) for block in self.vocabulary.domain.blocks}
+
+    def _find_bound(self, block: Block) -> dict[str, str]:
         targets = {target.name for target in block.targets}
         bound: dict[str, str] = {}
         for slot in block.others:
@@ -96,7 +105,16 @@ class Conditions:
 
     def read_until_begin(self, block: Block) -> list[str]:
         """Return the slots with tokens that the block changes, and that its other tokens may read until it begins."""
-        return [s.name for s in block.others if self.changes(block, s.name) and self._read_by_partners(block, s)]
+        return self._read_until_begin[block.name]
+
+    @cached_property
+    def _read_until_begin(self) -> dict[str, list[str]]:
+        return {
+            block.name: [
+                s.name for s in block.others if self.changes(block, s.name) and self._read_by_partners(block, s)
+            ]
+            for block in self.vocabulary.domain.blocks
+        }
 
     def _read_by_partners(self, block: Block, slot: Slot) -> bool:
         """Return whether a token that enters another slot of the block may read the slot's token before."""
@@ -144,15 +162,16 @@ class Conditions:
 
     def bound_late(self, block: Block) -> list[str]:
         """Return the slots, except the anchor, that may have the token of a target that only `begin` binds."""
-        late = [target for target in block.targets if target.name not in self.bound_by(block)]
+        bound = self.bound_by(block)
+        late = [target for target in block.targets if target.name not in bound]
         return [slot.name for slot in block.others if any(self._may_coincide(block, slot, target) for target in late)]
 
     def _may_coincide(self, block: Block, one: Slot | Target, other: Target) -> bool:
+        first = one.object_class if isinstance(one, Slot) else one.sort
+        if isinstance(first, SymbolSort) or isinstance(other.sort, SymbolSort):
+            return False
         # A pair that shares a static condition is left out, because feasibility is computed for different tokens only.
         names = {one.name, other.name}
         if any(c.positive and names <= set(c.arguments) for c in block.static_entry):
-            return False
-        first = one.object_class if isinstance(one, Slot) else one.sort
-        if isinstance(first, SymbolSort) or isinstance(other.sort, SymbolSort):
             return False
         return self.vocabulary.domain.relations.can_share_token(first, other.sort)
