@@ -14,6 +14,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
 from hybrid_tamp.geometry.agreement import ShapeFeature
 from hybrid_tamp.geometry.shapes import Shape
+from hybrid_tamp.motion.constants import DEFAULT_FRICTION, DEFAULT_MASS
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Vector3 = tuple[Number, Number, Number]
@@ -159,6 +160,15 @@ class TOKEN(ObjectClass):
     """The root class, whose members are all tokens except places."""
 
     name: ClassVar[str] = "TOKEN"
+
+
+class BystanderProperties(BaseModel):
+    """Properties of a token that is a member of `TOKEN` only, e.g. a crate that no block can move."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    mass: Annotated[Number, Field(gt=0, le=1e6)] = quantity("kg", "mass of the body", default=DEFAULT_MASS)
+    friction: Annotated[Number, Field(ge=0, le=100)] = quantity("1", "friction coefficient", default=DEFAULT_FRICTION)
 
 
 def is_place(object_class: type[ObjectClass]) -> bool:

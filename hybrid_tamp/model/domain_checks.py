@@ -8,7 +8,7 @@ from hybrid_tamp.model.block import FLOOR, Block
 from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.frame import find_frame_faults
 from hybrid_tamp.model.predicate import ANY, Literal, Parameter, SymbolSort
-from hybrid_tamp.model.token import conflicts
+from hybrid_tamp.model.union import conflicts
 
 
 def faults_of(domain: Declarations) -> list[Issue]:

@@ -125,8 +125,8 @@ class Task:
 
     @property
     def fixed_bodies(self) -> tuple[str, ...]:
-        """Names of the tokens that are bodies which nothing can move."""
-        return tuple(token.name for token in self.tokens if token.fixed_body)
+        """Names of the places with a body, which count as a part of the floor, e.g. tables."""
+        return tuple(token.name for token in self.tokens if token.place and token.fixed_body)
 
     def start_block(self, name: str) -> Block:
         """Return the block in which a token starts."""

@@ -108,7 +108,7 @@ def _find_action_faults(token: Token, where: str) -> list[Issue]:
 
 def _make_body(token: Token) -> Body:
     driven = bool(token.basic_actions)
-    mass = 0.0 if token.place else _number(token, "mass", DEFAULT_MASS)
+    mass = 0.0 if token.fixed_body else _number(token, "mass", DEFAULT_MASS)
     round_thing = not driven and isinstance(token.solid, Cylinder | Sphere)
     return Body(
         token=token.name,
@@ -125,7 +125,7 @@ def _find_inertia(token: Token, mass: float) -> tuple[float, float, float]:
     if any(action.name == TORQUE for action in token.basic_actions):
         moment = _number(token, "wrist_inertia", 0.0)
         return (moment, moment, moment)
-    if token.place:
+    if token.fixed_body:
         return (0.0, 0.0, 0.0)
     if token.basic_actions:
         # The simulation has no arm, so the hand gets infinite inertia to keep its orientation.

@@ -65,6 +65,10 @@ class TokenEntry(_Entry):
     shape: WrittenShape | None = Field(
         default=None, description="geometry of the token; default: the shape that the token's classes imply, if any"
     )
+    fixed: bool = Field(
+        default=False,
+        description="whether nothing can move the token, e.g. a wall; only for tokens whose only class is TOKEN",
+    )
     pose: Pose | None = Field(default=None, description="initial pose; required if the token has a position")
 
 

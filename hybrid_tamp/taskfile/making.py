@@ -39,8 +39,8 @@ def make_task(
     Args:
         domain: the domain, or the name of an installed domain.
         tokens: maps the name of each token to a mapping with its ``classes`` (names or classes), ``properties``,
-            ``shape`` and ``pose``. A pose has a ``position`` [m] and ``rpy`` [rad] or ``quaternion`` x, y, z, w.
-            Arrays and tuples may be used in place of lists.
+            ``shape``, ``fixed`` and ``pose``. A pose has a ``position`` [m], and ``rpy`` [rad] or ``quaternion`` (x, y,
+            z, w). Arrays and tuples may be used in place of lists.
         goal: the atoms that must hold at the end. Each atom is an `Atom` or ``{predicate: [tokens]}``. In place of a
             token, ``{"all": CLASS}`` (a class or its name) stands for one atom per token of the class.
         agents: maps each agent to the names of its capability tokens.

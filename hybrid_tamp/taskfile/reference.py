@@ -12,7 +12,7 @@ from hybrid_tamp.model.predicate import Literal, Predicate
 from hybrid_tamp.taskfile.entries import LimitsEntry, MidLevelEntry, Pose, RangeEntry, TaskFile, TokenEntry
 from hybrid_tamp.taskfile.forms import JsonObject, bounds_in_words, form_of, number_in_words, type_in_words
 from hybrid_tamp.taskfile.roles import can_start
-from hybrid_tamp.taskfile.tokens import known_classes
+from hybrid_tamp.taskfile.tokens import declared_properties, known_classes
 
 _INTRODUCTION = """# Task files
 
@@ -82,8 +82,11 @@ def _class(object_class: type[ObjectClass]) -> str:
     elif issubclass(object_class, CapabilityClass):
         kind = "capability class"
     text = f"#### `{object_class.name}` ({kind})\n\n{object_class.describe()}\n"
-    if object_class.model_fields:
-        text += f"\n{_keys(object_class)}"
+    properties = declared_properties(object_class)
+    if properties is not object_class:
+        text += f"\n{(properties.__doc__ or '').strip()}\n"
+    if properties.model_fields:
+        text += f"\n{_keys(properties)}"
     for action in object_class.basic_actions:
         limit = f"; its norm must not exceed `{action.limit}`" if action.limit else ""
         vector = f"vector of size {action.size} [{action.unit}]{limit}"

@@ -134,6 +134,8 @@ def _token_entry(task: Task, token: Token, beside: Callable[[str, str], str]) ->
     implied = Token.make(token.name, token.classes, token.properties, unknown=token.unknown).shape
     if token.shape is not None and token.shape != implied:
         yield "shape", one_line(_shape(token.shape, beside))
+    if token.immovable:
+        yield "fixed", True
     varying = {one.name for one in token.varying}
     pose = {"position": task.state[token, "position"].tolist()} if "position" in varying else {}
     if "orientation" in varying and not np.array_equal(task.state[token, "orientation"], [0.0, 0.0, 0.0, 1.0]):
@@ -205,6 +207,8 @@ def differences(task: Task, other: Task) -> list[str]:
     for one, same in zip(task.tokens, other.tokens, strict=True):
         if (one.classes, one.unknown) != (same.classes, same.unknown):
             found.append(f"classes of token {one.name} differ")
+        if one.immovable != same.immovable:
+            found.append(f"fixed of token {one.name} differs")
         if one.shape != same.shape:
             found.append(f"shape of token {one.name} differs")
         found += [

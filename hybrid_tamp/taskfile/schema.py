@@ -15,7 +15,7 @@ from hybrid_tamp.taskfile.entries import TaskFile
 from hybrid_tamp.taskfile.forms import JsonObject, form_of
 from hybrid_tamp.taskfile.midlevel import Declared, names_of
 from hybrid_tamp.taskfile.roles import can_start
-from hybrid_tamp.taskfile.tokens import known_classes
+from hybrid_tamp.taskfile.tokens import declared_properties, known_classes
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -105,7 +105,7 @@ def _token(domain: Domain, prefix: str, definitions: dict[str, JsonObject]) -> J
     known: dict[str, list[JsonObject]] = {}
     needs = []
     for number, object_class in enumerate(known_classes(domain).values()):
-        form = form_of(object_class, f"{prefix}class{number}.")
+        form = form_of(declared_properties(object_class), f"{prefix}class{number}.")
         definitions.update(form.definitions)
         for key, schema in form.keys.items():
             if schema not in known.setdefault(key, []):

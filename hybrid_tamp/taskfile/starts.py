@@ -9,6 +9,7 @@ from hybrid_tamp.geometry.overlaps import overlaps
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import State
+from hybrid_tamp.model.support import find_floating
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
@@ -60,7 +61,8 @@ def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
     ordered = sorted(bodies, key=lambda body: is_capability(body[0]))
 
     def may_share(earlier: int, later: int) -> bool:
-        return pass_through(ordered[earlier][0], ordered[later][0])
+        one, other = ordered[earlier][0], ordered[later][0]
+        return pass_through(one, other) or (one.immovable and other.immovable)
 
     for earlier, later, way in overlaps([body for _, body in ordered], may_share):
         one, other = ordered[earlier][0], ordered[later][0]
@@ -70,6 +72,11 @@ def _check_overlaps(bodies: list[tuple[Token, Body]], faults: Faults) -> None:
 
 
 def _check_classes(token: Token, state: State, scene: Scene, faults: Faults) -> None:
+    if token.bystander and not token.immovable:
+        complaint = find_floating(token, state, scene.tokens)
+        if complaint is not None:
+            came = f"{complaint}; if nothing moves the body, write 'fixed: true'"
+            faults.at(_path(token)[:-1], f"{subject(_path(token)[:-1])} is not valid: {came}", key=True)
     for member in token.classes:
         if not faults.sound(_path(token)):
             continue

@@ -1,26 +1,24 @@
 """Read the tokens of a task file: their classes, properties, shapes and poses."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from hybrid_tamp.geometry.shapes import LARGEST_ANGLE, MeshFile, Shape, WrittenShape
-from hybrid_tamp.model.affordance import TOKEN, ObjectClass, is_place
+from hybrid_tamp.model.affordance import TOKEN, BystanderProperties, ObjectClass, is_place
 from hybrid_tamp.model.agreement import find_disagreements, find_shape_fault
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.domain import Domain
-from hybrid_tamp.model.token import PropertyConflictError, Token, union_of
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.union import PropertyConflictError, union_of
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import normalized, quaternion_from_rpy
-from hybrid_tamp.taskfile.entries import Pose
 from hybrid_tamp.taskfile.meshfile import read_mesh
 from hybrid_tamp.taskfile.names import check_name
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
+from hybrid_tamp.taskfile.poses import read_pose
 from hybrid_tamp.taskfile.wording import add_validation_faults, advise_radians, subject
 
 _SHAPE: TypeAdapter[WrittenShape | None] = TypeAdapter(WrittenShape | None)
@@ -70,6 +68,11 @@ def known_classes(domain: Domain) -> Mapping[str, type[ObjectClass]]:
     return {TOKEN.name: TOKEN, **domain.class_by_name}
 
 
+def declared_properties(object_class: type[ObjectClass]) -> type[BaseModel]:
+    """Return the model with the fixed properties of a class, or of a token whose only class is the root class."""
+    return BystanderProperties if object_class is TOKEN else object_class
+
+
 def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain, scene: Scene, folder: Path) -> None:
     path = ("tokens", name)
     classes = _classes(entry, path, faults, domain)
@@ -80,7 +83,7 @@ def _read_token(name: str, entry: dict[str, Any], faults: Faults, domain: Domain
     members = classes if any(map(is_place, classes)) else tuple({TOKEN: None, **dict.fromkeys(classes)})
     outline = scene.outlines[name] = Token(name, members, {}, unknown=unknown or ())
     token = _make(outline, entry, path, faults, folder)
-    _read_pose(outline, entry, path, faults, scene)
+    scene.given |= {(name, key): value for key, value in read_pose(outline, entry, path, faults).items()}
     if token is not None:
         scene.tokens.append(token)
 
@@ -151,8 +154,13 @@ def _make(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, 
     shape = _shape(entry, (*path, "shape"), faults, folder)
     has_shape = faults.sound((*path, "shape"))
     union: type[BaseModel] = union_of(outline.classes, outline.unknown)
+    fixed = bool(entry.get("fixed", False))
+    if fixed and not outline.bystander:
+        wanted = f"a fixed token must be a member of {TOKEN.name} only"
+        came = ", ".join(member.name for member in (*outline.classes, *outline.unknown) if member is not TOKEN)
+        faults.at((*path, "fixed"), wanted, came, remedy="remove the key fixed, or remove the other classes")
     try:
-        token = Token.make(outline.name, outline.classes, properties, shape, outline.unknown)
+        token = Token.make(outline.name, outline.classes, properties, shape, outline.unknown, fixed)
     except ValidationError as error:
         add_validation_faults(faults, error, union, base, lambda key: _needed_by(outline, key))
         return None
@@ -218,30 +226,3 @@ def _complaints(token: Token) -> list[str]:
         with authored(f"{member.name}.consistent", {"token": token}):
             found.append(member.consistent(token))
     return [complaint for complaint in found if complaint is not None]
-
-
-def _read_pose(outline: Token, entry: dict[str, Any], path: KeyPath, faults: Faults, scene: Scene) -> None:
-    """Read the pose of a token. The pose is required if the token has a position."""
-    here = (*path, "pose")
-    if not faults.sound(here):
-        return
-    varying = {one.name for one in outline.varying}
-    if entry.get("pose") is None:
-        if "position" in varying:
-            wanted = f"missing key 'pose' in token {shown(outline.name)}: the initial pose"
-            faults.at(here, wanted, remedy="write pose: {position: [x, y, z]}")
-        return
-    pose = Pose.model_validate(entry["pose"])
-    values = {"position": np.asarray(pose.position, dtype=float), "orientation": _orientation(pose)}
-    for key, value in values.items():
-        if value is not None and key in varying:
-            scene.given[outline.name, key] = value
-        elif value is not None:
-            faults.at(here, f"no class of token {shown(outline.name)} has the property {key}", remedy=f"remove {key}")
-
-
-def _orientation(pose: Pose) -> FloatArray | None:
-    if pose.quaternion is not None:
-        unit = abs(math.hypot(*pose.quaternion) - 1.0) < 1e-15
-        return np.array(pose.quaternion) if unit else normalized(pose.quaternion)
-    return None if pose.rpy is None else quaternion_from_rpy(pose.rpy)

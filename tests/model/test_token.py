@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from hybrid_tamp.model.affordance import TOKEN, AffordanceClass, Direction, ObjectClass, PlaceClass, quantity
-from hybrid_tamp.model.token import PropertyConflictError, Token, conflicts, union_of
+from hybrid_tamp.model.token import Token
+from hybrid_tamp.model.union import PropertyConflictError, conflicts, union_of
 
 
 class Heavy(AffordanceClass):
