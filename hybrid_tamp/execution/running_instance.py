@@ -78,7 +78,7 @@ class Running:
         arrays = {name: np.asarray(value) for name, value in self.hyperparameters.items()}
         maker, self._maker_name = self.block.policy, f"{self.block.name}.policy"
         with authored(self._maker_name, self._binding):
-            self._policy = None if maker is None else maker(self._binding, seen, Parameters(arrays))
+            self._policy = None if maker is None else maker(self._binding, seen, Parameters(arrays, instance.corners))
 
     def __repr__(self) -> str:
         return f"Running({self.instance.name!r})"

@@ -110,7 +110,7 @@ class InstanceModel:
 
     def start_from(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
         """Return the forward model of the instance for initial states of shape ``(n, m)``."""
-        return ForwardModel(self.block, self.binding, self.state(start), Parameters(chosen))
+        return ForwardModel(self.block, self.binding, self.state(start), Parameters(chosen, self.instance.corners))
 
 
 @dataclass(frozen=True, eq=False)

@@ -64,6 +64,19 @@ class Interval(NamedTuple):
     end: FloatArray
 
 
+class Trace(NamedTuple):
+    """The movement of one instance in a rollout of a single candidate.
+
+    Attributes:
+        states: states of the instance's tokens from its start to its exit, one per control step. Shape ``(t, m)``.
+        world: states of all tokens at the start of the instance. A token that another instance moves at this time may
+            already be where that instance leaves it. Shape ``(layout.size,)``.
+    """
+
+    states: State
+    world: State
+
+
 def weigh_plan(
     task: Task, plan: Iterable[BlockInstance], figures: Mapping[Key, FloatArray], final: State
 ) -> FloatArray:

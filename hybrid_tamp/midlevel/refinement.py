@@ -77,6 +77,22 @@ def refine(
     return found
 
 
+def evaluate_defaults(task: Task, plan: TaskPlan, roll_out: RollOut) -> RefinedPlan:
+    """Return the refined plan with the default hyperparameters, without a search.
+
+    Args:
+        task: task of the plan.
+        plan: a valid plan of the task.
+        roll_out: function that rolls out candidates.
+
+    Raises:
+        LimitReached: if the deadline passes.
+        NotFinite: if the rollout failed.
+    """
+    began, objective = time.monotonic(), Objective(task, plan, roll_out)
+    return summarise_defaults(objective, Candidates.of(objective, objective.space.default), began)
+
+
 def _compare(searched: Searched) -> Candidates:
     """Roll out the whole plan for the defaults, the optimum and the result of optimising each action separately."""
     others = [] if searched.apart is None else [searched.apart]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.midlevel.population import IntArray, Stretch
-from hybrid_tamp.midlevel.predictions import Chosen, Condition, Interval, Key, Rollout, weigh_plan
+from hybrid_tamp.midlevel.predictions import Chosen, Condition, Interval, Key, Rollout, Trace, weigh_plan
 from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
@@ -37,7 +37,6 @@ class Rollouts:
         self.plan = plan
         self._events = reassignments(task, plan)
         self._simulations = {instance.name: Simulation(task, instance, deadline) for instance in plan.instances}
-        self._traced: _Chain | None = None
 
     def __call__(self, chosen: Chosen, count: int = 1, until: str | None = None) -> Rollout:
         """Roll out a population.
@@ -53,17 +52,24 @@ class Rollouts:
         """
         return self._roll_out(_Chain(self.task, self._simulations, chosen, count), until)
 
-    def trace(self, name: str) -> State:
-        """Return the states ``(t, m)`` of an instance's tokens from its start to its exit, for the plan's own values.
+    def trace(self, plan: TaskPlan) -> dict[str, Trace]:
+        """Return the movements of all instances that move tokens.
+
+        Args:
+            plan: a plan with the same instances, whose hyperparameters are used.
 
         Raises:
             LimitReached: the deadline passes.
         """
-        if self._traced is None:
-            self._traced = _Chain(self.task, self._simulations, {}, 1)
-            self._roll_out(self._traced, None)
-        running = self._traced.begun[name]
-        return self._simulations[name].trace(running.start, running.chosen)
+        values = {(each.name, h): np.array([v]) for each in plan.instances for h, v in each.hyperparameters.items()}
+        chain = _Chain(self.task, self._simulations, values, 1)
+        self._roll_out(chain, None)
+        layout = self.task.state.layout
+        return {
+            name: Trace(self._simulations[name].trace(each.start, each.chosen), State(layout, each.world[0]))
+            for name, each in chain.begun.items()
+            if self._simulations[name].block.moves
+        }
 
     def _roll_out(self, chain: "_Chain", until: str | None) -> Rollout:
         chain.begin(initial(self.plan), np.zeros(chain.count, dtype=np.int64))
@@ -78,9 +84,10 @@ class Rollouts:
 
 @dataclass(eq=False)
 class _Running:
-    """A running instance, with its results so far."""
+    """A running instance, with its results so far. ``world`` are the states of all tokens at its start."""
 
     begun: IntArray
+    world: FloatArray
     start: FloatArray
     chosen: dict[str, FloatArray]
     stretch: Stretch | None = None
@@ -114,7 +121,7 @@ class _Chain:
             state = simulation.state(start)
             if time.any():
                 self._note(instance.name, simulation.block.predicted_entries, simulation, simulation.entries(state))
-            running = _Running(time, start, self._hyperparameters(instance, state))
+            running = _Running(time, self.now.copy(), start, self._hyperparameters(instance, state))
             self.running[instance.name] = self.begun[instance.name] = running
 
     def _hyperparameters(self, instance: BlockInstance, state: State) -> dict[str, FloatArray]:

@@ -125,6 +125,8 @@ class Block:
         taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
             (`motion.dmp.DMP`). None if the block has no motor primitive.
         movement: movement that the motor primitive represents, or None.
+        path: slot whose token follows `Parameters.path`, a path of the token's position, if the plan gives one. None if
+            the policy ignores paths.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
             declared either, the final state is that of a rollout.
         description: description in one line.
@@ -151,6 +153,7 @@ class Block:
     performance: tuple[Measure, ...] = ()
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None
+    path: str | None = None
     outcome: Outcome | None = None
     description: str = ""
 

@@ -26,7 +26,8 @@ class Parameters:
 
     Attributes:
         hyperparameters: maps each hyperparameter to its value, shape ``(...)``.
-        path: sequence of n configurations on the path, shape ``(..., n, d)``, or None. Not used by any block yet.
+        path: corners of a path ``(n, 3)`` [m] for the position of the token in the slot `Block.path`, or None. The
+            policy replaces the first corner by the actual start, and the last corner by the actual goal.
         phase: initial phase, shape ``(...)``. 0 is the start of the movement. Not used by any block yet.
     """
 

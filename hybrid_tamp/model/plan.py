@@ -5,7 +5,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
+import numpy as np
+
 from hybrid_tamp.model.tables import Rows, Tabular
+from hybrid_tamp.motion.arrays import FloatArray
 
 Fewest = Literal["proven fewest", "no shorter one found", "first found"]
 """What is known about a plan's number of actions. "No shorter one found" means that a counted search looked for one."""
@@ -28,6 +31,8 @@ class BlockInstance:
         hyperparameters: maps each hyperparameter to its value.
         reached: instant at which the exit conditions first hold, for a block with `hold` [s]. The instance changes
             nothing after this instant. None if unknown, and for blocks without `hold`.
+        path: corners of a path [m] for the position of the token in the slot `Block.path`. Empty if the movement
+            follows no planned path.
     """
 
     name: str
@@ -38,6 +43,12 @@ class BlockInstance:
     targets: Mapping[str, str] = field(default_factory=dict)
     hyperparameters: Mapping[str, float] = field(default_factory=dict)
     reached: float | None = None
+    path: tuple[tuple[float, float, float], ...] = ()
+
+    @property
+    def corners(self) -> FloatArray | None:
+        """Corners of the path ``(n, 3)`` [m], or None if the movement follows no planned path."""
+        return np.array(self.path) if self.path else None
 
     @property
     def action(self) -> str:
@@ -133,6 +144,12 @@ class TaskPlan(Tabular):
             replace(each, hyperparameters={**each.hyperparameters, **mine.get(each.name, {})})
             for each in self.instances
         )
+        return replace(self, instances=tuple(instances))
+
+    def with_path(self, name: str, path: Iterable[Iterable[float]]) -> "TaskPlan":
+        """Return the plan with a path ``(n, 3)`` [m] for one instance."""
+        corners = tuple((float(x), float(y), float(z)) for x, y, z in path)
+        instances = (replace(each, path=corners) if each.name == name else each for each in self.instances)
         return replace(self, instances=tuple(instances))
 
     def retime(self, times: Mapping[str, tuple[float, float | None, float]]) -> "TaskPlan":

@@ -78,19 +78,22 @@ class Shortfall:
         atom: condition that fails.
         unit: unit of the margin.
         margin: signed margin of the condition [unit].
+        detour: whether the condition is `CLEAR` and no path around the body was found.
     """
 
     where: str
     atom: Atom
     unit: str
     margin: float
+    detour: bool = False
 
     @property
     def text(self) -> str:
         """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
         if self.atom.predicate == CLEAR:
             moving, other = self.atom.arguments
-            return f"{moving} hits {other}, {-self.margin:.3g} m deep"
+            around = ", and the search found no path around it" if self.detour else ""
+            return f"{moving} hits {other}, {-self.margin:.3g} m deep{around}"
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
 

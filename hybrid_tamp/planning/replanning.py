@@ -10,14 +10,15 @@ from dataclasses import replace
 
 from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.midlevel.refinement import refine
+from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.forbidding import forbid
 from hybrid_tamp.model.outcome import NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.clearance import find_collision
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
+from hybrid_tamp.planning.routing import route, route_defaults
 from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
 from hybrid_tamp.workers.processes import count_processors
 
@@ -36,8 +37,10 @@ def plan_and_refine(
     backend: str = "pybullet",
     processes: int | None = None,
     deadline: Deadline = NEVER,
+    *,
+    optimise: bool = True,
 ) -> PlanOutcome:
-    """Plan a task, optimise the whole plan, and replan without the failing bindings until a plan succeeds.
+    """Plan a task, optimise and route the whole plan, and replan without the failing bindings until a plan succeeds.
 
     Args:
         task: the task to plan.
@@ -46,6 +49,8 @@ def plan_and_refine(
         backend: name of the physics backend for tasks with ``refine: physics``.
         processes: number of physics processes, by default one per processor. The result does not depend on the number.
         deadline: deadline of the command. If it passes, the outcome is a failure with the plan that was found before.
+        optimise: whether to optimise the hyperparameters. Otherwise only collisions make a plan fail, and a plan that
+            moves every body is not evaluated.
 
     Raises:
         InputError: if the planner or the backend is unknown.
@@ -60,14 +65,15 @@ def plan_and_refine(
         if outcome.plan is None or outcome.failure is not None:
             return _give_up(outcome) if excluded and outcome.status != "limit" else outcome
         try:
-            refined = _optimise(outcome, outcome.plan, progress, backend, processes or count_processors(), deadline)
-            if refined.shortfall is None:
-                collision = find_collision(outcome.chosen or task, refined.plan, deadline)
-                refined = replace(refined, shortfall=collision)
+            refined = (
+                _optimise(outcome, outcome.plan, progress, backend, processes or count_processors(), deadline)
+                if optimise
+                else route_defaults(outcome.chosen or task, outcome.plan, deadline)
+            )
         except LimitReached as limit:
             return replace(outcome, failure=PlanningFailure.of(limit))
-        if refined.shortfall is None:
-            return replace(outcome, plan=refined.plan, refinement=refined)
+        if refined is None or refined.shortfall is None:
+            return _succeed(outcome, refined, optimise)
         planned = outcome.plan
         failing = _failing_instance(current, planned, refined.shortfall)
         _LOG.info("the plan is refused, because in %s, %s", failing.name, refined.shortfall.text)
@@ -96,8 +102,21 @@ def _optimise(
             progress(share, f"optimising: {said}")
 
     task = outcome.chosen or outcome.task
-    measured = PhysicsRollouts(task, plan, backend, processes, deadline)
-    return refine(task, plan, tell, measured=measured, deadline=deadline)
+
+    def choose(one: TaskPlan, rollouts: Rollouts) -> RefinedPlan:
+        measured = PhysicsRollouts(task, one, backend, processes, deadline)
+        return refine(task, one, tell, rollouts, measured=measured, deadline=deadline)
+
+    return route(task, plan, choose, deadline)
+
+
+def _succeed(outcome: PlanOutcome, refined: RefinedPlan | None, optimised: bool) -> PlanOutcome:
+    """Return the outcome with its final plan. Without optimisation, only paths around bodies change the plan."""
+    if optimised and refined is not None:
+        return replace(outcome, plan=refined.plan, refinement=refined)
+    if refined is not None and any(instance.path for instance in refined.plan.instances):
+        return replace(outcome, plan=refined.plan)
+    return outcome
 
 
 def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:

@@ -182,7 +182,15 @@ KEYS: Mapping[type, Keys] = {
         Key("predicted", "figure", nullable=True),
         Key("measured", default=None),
     ),
-    BlockInstance: (Key("block", "action"), "mode", Key("instance", "name"), "slots", "targets", "hyperparameters"),
+    BlockInstance: (
+        Key("block", "action"),
+        "mode",
+        Key("instance", "name"),
+        "slots",
+        "targets",
+        "hyperparameters",
+        Key("path", default=list),
+    ),
 }
 """Maps each dataclass to the dataclass's keys. In all other dataclasses, every field is a key."""
 

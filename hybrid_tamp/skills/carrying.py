@@ -19,6 +19,7 @@ from hybrid_tamp.skills.grippers import Graspable
 from hybrid_tamp.skills.gripping import HANDLE_ENDS, Grip
 from hybrid_tamp.skills.handles import attitude, hand_in, lean, side, standing_height, yaw
 from hybrid_tamp.skills.holding import HeldBody, held_system, pose_held
+from hybrid_tamp.skills.paths import follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence
 from hybrid_tamp.skills.primitives import advance, reach_over, straight_profile
 from hybrid_tamp.skills.reaching import time_of_reach
@@ -120,6 +121,7 @@ def make_carrying(
         duration=duration,
         hold=True,
         policy=_follow(goal, role),
+        path="hand",
         system=held_system(role),
         outcome=_outcome(goal, role),
         description=description,
@@ -168,8 +170,11 @@ def _follow(goal: Goal, role: str) -> PolicyMaker:
         hand, thing = get_tokens(binding, "hand", role)
         held = HeldBody(hand, thing)
         place, direction, angle = goal(binding, start)
-        duration = np.asarray(parameters.hyperparameters["duration"])
-        reach = reach_over(start[hand, "position"].copy(), place, duration)
+        origin, duration = start[hand, "position"].copy(), np.asarray(parameters.hyperparameters["duration"])
+        if parameters.path is None:
+            reach = reach_over(origin, place, duration)
+        else:
+            reach, duration = follow_path(origin, parameters.path, place, duration)
         profile, turning = straight_profile(), _TURN[1] * duration
         from_yaw, from_lean = yaw(start, thing), lean(start, thing)
         yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi

@@ -19,6 +19,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP
 from hybrid_tamp.skills.classes import StaticEndEffector
+from hybrid_tamp.skills.paths import follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
 from hybrid_tamp.skills.primitives import demonstrated_reach
 from hybrid_tamp.skills.roles import MOTION, get_token
@@ -94,13 +95,19 @@ def time_of_reach(
 
 
 def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    """Return the policy of a hand that follows the movement of the primitive to the goal."""
+    """Return the policy of a hand that follows a planned path or the movement of the primitive to the goal."""
     hand = get_token(binding, "hand")
-    movement = primitive or demonstrated_reach()
-    duration = parameters.hyperparameters["duration"]
-    reference = movement.trajectory(start[hand, "position"], goal.position(binding, start), duration)
+    origin, end, duration = (
+        start[hand, "position"],
+        goal.position(binding, start),
+        parameters.hyperparameters["duration"],
+    )
+    if parameters.path is None:
+        movement = (primitive or demonstrated_reach()).trajectory(origin, end, duration)
+        timetable = Timetable(lambda elapsed: movement.at(elapsed)[:2], start)
+    else:
+        timetable = Timetable(follow_path(origin, parameters.path, end, duration)[0], start)
     servo = hand_servo(hand, start)
-    timetable = Timetable(lambda elapsed: reference.at(elapsed)[:2], start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         return servo(state, *timetable(elapsed))
@@ -148,6 +155,7 @@ def make_reaching(
         policy=follow,
         taught=lambda other: make_reaching(goal, mode, other, transit),
         movement=Movement("hand", "position", 3 if transit is None else 1),
+        path="hand" if transit is None else None,
         outcome=outcome,
         description=goal.description,
     )

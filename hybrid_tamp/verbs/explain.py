@@ -52,7 +52,7 @@ def explain(
     with PlannerProcess() as process:
         task, deadline = load_timed(source, settings, plans=True)
         planning = partial(plan_task, planner=process, deadline=deadline)
-        planned = plan_and_refine(task, planning, progress, deadline=deadline) if optimise else planning(task)
+        planned = plan_and_refine(task, planning, progress, deadline=deadline, optimise=optimise)
         outcome = blame_factors(planned, process, deadline)
     excluded = tuple(each.text for each in outcome.excluded)
     if outcome.plan is not None:

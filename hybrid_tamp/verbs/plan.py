@@ -58,11 +58,8 @@ def plan(
         process = planner or stack.enter_context(PlannerProcess())
         task, deadline = load_timed(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
-        if optimise:
-            planning = partial(plan_task, planner=process, deadline=deadline)
-            outcome = plan_and_refine(task, planning, progress, deadline=deadline)
-        else:
-            outcome = plan_task(task, process, deadline)
+        planning = partial(plan_task, planner=process, deadline=deadline)
+        outcome = plan_and_refine(task, planning, progress, deadline=deadline, optimise=optimise)
         outcome = blame_factors(outcome, process, deadline)
     if outcome.plan is None:
         outcome = explain_outcome(outcome, trials, 1, deadline)

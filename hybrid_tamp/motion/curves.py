@@ -1,0 +1,70 @@
+"""Polylines with rounded corners, along which a body moves from rest to rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.profile import Profile
+
+_ROUNDING = 0.05
+"""Largest length of a leg that a rounded corner replaces [m]."""
+_SAMPLES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve along which a body moves from rest to rest.
+
+    Attributes:
+        points: densely sampled points of the curve ``(..., p, 3)`` [m].
+        arcs: arc length from the start to each point ``(..., p)`` [m].
+    """
+
+    points: FloatArray
+    arcs: FloatArray
+
+    @classmethod
+    def through(cls, corners: FloatArray) -> "Curve":
+        """Return the curve along polylines ``(..., c, 3)`` [m] whose inner corners are rounded."""
+        points = _rounded(corners)
+        steps = np.linalg.norm(np.diff(points, axis=-2), axis=-1)
+        arcs = np.concatenate([np.zeros((*steps.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
+        return cls(points, arcs)
+
+    @property
+    def length(self) -> FloatArray:
+        """Arc length of the curve ``(...)`` [m]."""
+        return np.asarray(self.arcs[..., -1])
+
+    def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
+        """Return the position [m] and the velocity [m/s], each ``(..., 3)``, for a movement with a speed profile."""
+        phase = elapsed / duration
+        travelled, speed = self.length * profile.share(phase), self.length * profile.rate(phase) / duration
+        index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
+        # The open grid of indices lets each member of the batch read its own curve.
+        members = np.indices(self.arcs.shape[:-1], sparse=True)
+        before, after = (*members, index - 1), (*members, index)
+        low, high, start = self.points[before], self.points[after], self.arcs[before]
+        along = high - low
+        span = np.linalg.norm(along, axis=-1)
+        direction = along / np.maximum(span, 1e-12)[..., None]
+        return low + direction * (travelled - start)[..., None], direction * speed[..., None]
+
+
+def _rounded(corners: FloatArray) -> FloatArray:
+    """Replace each inner corner of polylines ``(..., c, 3)`` with a short parabola. Return points ``(..., p, 3)``."""
+    pieces = [corners[..., :1, :]]
+    part = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    for index in range(1, corners.shape[-2] - 1):
+        corner = corners[..., index : index + 1, :]
+        into = _shortened(corners[..., index - 1 : index, :] - corner)
+        out = _shortened(corners[..., index + 1 : index + 2, :] - corner)
+        pieces.append(corner + into * (1.0 - part) ** 2 + out * part**2)
+    return np.concatenate([*pieces, corners[..., -1:, :]], axis=-2)
+
+
+def _shortened(leg: FloatArray) -> FloatArray:
+    """Return the part of a leg that a rounded corner replaces, which is at most half of the leg."""
+    length = np.linalg.norm(leg, axis=-1, keepdims=True)
+    return np.asarray(leg * np.minimum(0.5, _ROUNDING / np.maximum(length, 1e-9)))

@@ -1,0 +1,100 @@
+"""Paths through free space by sampling: RRT-Connect (Kuffner and LaValle 2000) of the library OMPL.
+
+A query counts the checked positions and never reads a clock. Each query has its own seed. So equal queries have equal
+paths, whatever the load of the computer. A search that finds no path proves nothing.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.paths.free_space import FreeSpace, OutOfChecks
+
+_RANGE = 0.5
+"""Longest segment of the search trees [m]."""
+_REDUCTIONS = 30
+_SHORTCUTS = 60
+"""Numbers of steps in which a path is shortened."""
+_QUESTIONS = 20_000
+"""Largest number of iterations of the search, because an iteration need not check a position."""
+
+
+def find_path(
+    space: FreeSpace, start: FloatArray, goal: FloatArray, lower: FloatArray, upper: FloatArray, seed: int
+) -> FloatArray | None:
+    """Return the corners ``(c, 3)`` [m] of a free path from start to goal, or None if the search finds no path.
+
+    Args:
+        space: the free space.
+        start: position ``(3,)`` [m] at which the path begins.
+        goal: position ``(3,)`` [m] at which the path ends.
+        lower: lower corner ``(3,)`` of the box that contains all samples [m].
+        upper: upper corner ``(3,)`` of the box [m].
+        seed: seed of the query.
+    """
+    try:
+        if space.is_free(start, goal):
+            return np.array([start, goal])
+        if min(space.slack(start), space.slack(goal)) <= 0.0:
+            return None
+        return _search(space, start, goal, np.array([lower, upper]), seed)
+    except OutOfChecks:
+        return None
+
+
+def _search(space: FreeSpace, start: FloatArray, goal: FloatArray, box: FloatArray, seed: int) -> FloatArray | None:
+    from ompl import base, geometric, util
+
+    util.setLogLevel(util.LogLevel.LOG_NONE)
+    # The seed must be set before any object of the query exists. Zero would stand for a random seed.
+    util.RNG.setSeed(seed % (2**31 - 1) + 1)
+    real = base.RealVectorStateSpace(3)
+    bounds = base.RealVectorBounds(3)
+    for axis, (low, high) in enumerate(box.T):
+        bounds.setLow(axis, float(low))
+        bounds.setHigh(axis, float(high))
+    real.setBounds(bounds)
+    setup = geometric.SimpleSetup(real)
+    information = setup.getSpaceInformation()
+    setup.setStateValidityChecker(lambda state: bool(space.slack(_position(state)) > 0.0))
+    information.setMotionValidator(_make_validator(information, space))
+    setup.setStartAndGoalStates(_state(real, start), _state(real, goal))
+    planner = geometric.RRTConnect(information)
+    planner.setRange(_RANGE)
+    setup.setPlanner(planner)
+    asked = iter(range(_QUESTIONS))
+    stop = base.PlannerTerminationCondition(lambda: next(asked, None) is None)
+    setup.solve(stop)
+    if not setup.haveExactSolutionPath():
+        return None
+    path = setup.getSolutionPath()
+    simplifier = geometric.PathSimplifier(information)
+    simplifier.reduceVertices(path, _REDUCTIONS, _REDUCTIONS)
+    simplifier.partialShortcutPath(path, _SHORTCUTS, _SHORTCUTS)
+    simplifier.reduceVertices(path, _REDUCTIONS, _REDUCTIONS)
+    corners = np.array([_position(path.getState(index)) for index in range(path.getStateCount())])
+    corners[0], corners[-1] = start, goal
+    return corners
+
+
+def _position(state: Any) -> FloatArray:
+    return np.array([state[0], state[1], state[2]])
+
+
+def _state(real: Any, position: FloatArray) -> Any:
+    state = real.allocState()
+    for axis, value in enumerate(position):
+        state[axis] = float(value)
+    return state
+
+
+def _make_validator(information: Any, space: FreeSpace) -> Any:
+    """Return the motion validator that checks segments by bisection on distances, without samples."""
+    from ompl import base
+
+    class Validator(base.MotionValidator):  # type: ignore[misc]  # OMPL has no type information
+        def checkMotion(self, one: Any, other: Any, last: Any = None) -> bool:  # noqa: N802 the name is OMPL's
+            return space.is_free(_position(one), _position(other))
+
+    return Validator(information)
