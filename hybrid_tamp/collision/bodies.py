@@ -39,7 +39,7 @@ class Nearest:
 
 
 class Body:
-    """A rigid body without a pose.
+    """A rigid body without a pose. Two bodies that are compared must be different objects.
 
     Attributes:
         name: name of the token.

@@ -28,6 +28,7 @@ from hybrid_tamp.execution.running_instance import (
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, TaskPlan
+from hybrid_tamp.model.precedence import must_wait
 from hybrid_tamp.model.reassignment import Reassignment, initial
 from hybrid_tamp.model.recording import AtomMargin, Recording
 from hybrid_tamp.model.task import Task
@@ -199,15 +200,15 @@ class Run:
         raise blame_waiting([(name, m) for name, m in missing if not m.holds], due - PATIENCE, event.ending[0])
 
     def _awaited(self, event: Reassignment) -> list[str]:
-        """Return the ending instances and all instances that still change a target of a starting instance (law 5)."""
-        changing = [
+        """Return the ending instances, and all instances whose exit a starting instance must await."""
+        others = [
             name
             for name, running in self._running.items()
             if name not in event.ending
             and running.reached is None
-            and any(running.changes(instance) for instance in event.starting)
+            and any(must_wait(self._task, self._plan, running.instance, instance) for instance in event.starting)
         ]
-        return [*event.ending, *changing]
+        return [*event.ending, *others]
 
     def _begin(self, instances: tuple[BlockInstance, ...]) -> None:
         for instance in instances:

@@ -119,14 +119,6 @@ class Running:
                 return False
         return True
 
-    def changes(self, reader: BlockInstance) -> bool:
-        """Return whether this instance writes a property that the instance `reader` reads from its targets."""
-        return any(
-            reader.targets[target.name] == token and set(target.reads) & set(self.block.writes.get(slot, ()))
-            for target in self._task.domain.block_by_name[reader.block].targets
-            for slot, token in self.instance.slots.items()
-        )
-
     def check_overdue(self, time: float, state: State) -> None:
         """Check the maximum duration.
 

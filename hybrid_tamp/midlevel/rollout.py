@@ -50,7 +50,7 @@ class Rollouts:
         Raises:
             LimitReached: the deadline passes.
         """
-        return self._roll_out(_Chain(self.task, self._simulations, chosen, count), until)
+        return self._roll_out(_Chain(self.task, self._simulations, chosen, count, self.plan.order), until)
 
     def trace(self, plan: TaskPlan) -> dict[str, Trace]:
         """Return the movements of all instances that move tokens.
@@ -62,7 +62,7 @@ class Rollouts:
             LimitReached: the deadline passes.
         """
         values = {(each.name, h): np.array([v]) for each in plan.instances for h, v in each.hyperparameters.items()}
-        chain = _Chain(self.task, self._simulations, values, 1)
+        chain = _Chain(self.task, self._simulations, values, 1, self.plan.order)
         self._roll_out(chain, None)
         layout = self.task.state.layout
         return {
@@ -101,6 +101,7 @@ class _Chain:
     simulations: Mapping[str, Simulation]
     chosen: Chosen
     count: int
+    order: tuple[tuple[str, str], ...] = ()
     conditions: list[Condition] = field(default_factory=list)
     intervals: dict[str, Interval] = field(default_factory=dict)
     figures: dict[Key, FloatArray] = field(default_factory=dict)
@@ -138,6 +139,8 @@ class _Chain:
         read = {value for instance in event.starting for value in instance.targets.values()}
         # A running instance that changes the targets of a starting instance must reach its exit first (law 5).
         ready += [self._reach_exit(n) for n in self.running if n not in event.ending and self._changes(n, read)]
+        starting = {instance.name for instance in event.starting}
+        ready += [self._exit_of(first) for first, second in self.order if second in starting]
         time: IntArray = np.max([*ready, *before], axis=0)
         if event.final:
             time = np.maximum(time, self.last + round(_SETTLING / CONTROL_PERIOD))
@@ -146,6 +149,14 @@ class _Chain:
         self.begin(event.starting, time)
         self.last = np.maximum(self.last, time)
         return time
+
+    def _exit_of(self, name: str) -> IntArray:
+        """Return the time at which an instance reaches its exit, which may have ended. Shape ``(n,)``."""
+        if name in self.running:
+            return self._reach_exit(name)
+        ended = self.begun[name]
+        assert ended.stretch is not None, "an instance that has ended has reached its exit"
+        return np.asarray(ended.begun + ended.stretch.steps)
 
     def _changes(self, name: str, tokens: set[str]) -> bool:
         simulation = self.simulations[name]

@@ -163,6 +163,11 @@ class PlanOutcome(Tabular):
         return None if self.plan is None else float(len(self.plan.actions))
 
     @property
+    def order(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of instances. The second one starts only after the first one has reached its exit."""
+        return () if self.plan is None else self.plan.order
+
+    @property
     def steps(self) -> tuple[Step, ...]:
         """Steps of the plan. Empty if there is no plan."""
         return () if self.plan is None else tuple(self.plan.steps)

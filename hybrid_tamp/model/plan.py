@@ -124,11 +124,14 @@ class TaskPlan(Tabular):
         instances: all block instances, including instances of the resting block, sorted by start.
         makespan: end of the plan [s].
         actions: actions that the planner returned. Empty if the plan was not returned by a planner.
+        order: pairs of (first, second) instances. The second instance starts only after the first one has reached its
+            exit, because their movements would meet otherwise.
     """
 
     instances: tuple[BlockInstance, ...]
     makespan: float
     actions: tuple[PlannedAction, ...] = ()
+    order: tuple[tuple[str, str], ...] = ()
 
     @property
     def rows(self) -> Rows:
@@ -151,6 +154,10 @@ class TaskPlan(Tabular):
         corners = tuple((float(x), float(y), float(z)) for x, y, z in path)
         instances = (replace(each, path=corners) if each.name == name else each for each in self.instances)
         return replace(self, instances=tuple(instances))
+
+    def with_order(self, first: str, second: str) -> "TaskPlan":
+        """Return the plan in which the instance `second` starts only after `first` has reached its exit."""
+        return replace(self, order=(*self.order, (first, second)))
 
     def retime(self, times: Mapping[str, tuple[float, float | None, float]]) -> "TaskPlan":
         """Return the plan with new times. `times` maps each instance to its start, `reached` and end [s]."""

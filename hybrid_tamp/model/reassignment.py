@@ -1,8 +1,9 @@
 """The partial order of the reassignments of a plan. A run keeps this order, but not the instants, which are estimates.
 
-Two reassignments keep their order if they involve the same token, in any role. The token can be a place. All other
-pairs of reassignments can happen in either order, because the conditions of an instance depend only on its tokens. Each
-reassignment happens as soon as its conditions hold.
+Two reassignments keep their order if they involve the same token, in any role. The token can be a place. They also keep
+their order if the plan orders the instances that start in them (`TaskPlan.order`). All other pairs of reassignments can
+happen in either order, because the conditions of an instance depend only on its tokens. Each reassignment happens as
+soon as its conditions hold.
 """
 
 from collections.abc import Iterable
@@ -48,6 +49,7 @@ def reassignments(task: Task, plan: TaskPlan) -> tuple[Reassignment, ...]:
             continue
         here = [i for i in plan.instances if at(i.start, time) or at(i.end, time)]
         earlier = tuple(touched)
+        begun = {each.name: index for index, event in enumerate(found) for each in event.starting}
         for group in _connected(task, here):
             tokens = frozenset().union(*(_tokens(task, instance) for instance in group))
             found.append(
@@ -55,13 +57,18 @@ def reassignments(task: Task, plan: TaskPlan) -> tuple[Reassignment, ...]:
                     time,
                     tuple(sorted(i.name for i in group if at(i.end, time))),
                     tuple(i for i in group if at(i.start, time)),
-                    frozenset(index for index, others in enumerate(earlier) if others & tokens),
+                    frozenset(index for index, others in enumerate(earlier) if others & tokens)
+                    | {begun[one] for one, other in plan.order if one in begun and _starts(group, other, time)},
                 )
             )
             touched.append(tokens)
     last = tuple(sorted(i.name for i in plan.instances if at(i.end, plan.makespan)))
     found.append(Reassignment(plan.makespan, last, (), frozenset(range(len(found))), final=True))
     return tuple(found)
+
+
+def _starts(group: Iterable[BlockInstance], name: str, time: float) -> bool:
+    return any(instance.name == name and at(instance.start, time) for instance in group)
 
 
 def _tokens(task: Task, instance: BlockInstance) -> frozenset[str]:

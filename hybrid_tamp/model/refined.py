@@ -92,6 +92,8 @@ class Shortfall:
         """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
         if self.atom.predicate == CLEAR:
             moving, other = self.atom.arguments
+            if self.margin == 0.0:
+                return f"{moving} meets {other}, and neither movement can go first"
             around = ", and the search found no path around it" if self.detour else ""
             return f"{moving} hits {other}, {-self.margin:.3g} m deep{around}"
         unit = "" if self.unit == "1" else f" {self.unit}"

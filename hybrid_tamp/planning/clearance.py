@@ -14,6 +14,7 @@ from hybrid_tamp.model.contacts import ContactRules
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
+from hybrid_tamp.model.precedence import Precedence
 from hybrid_tamp.model.task import Task
 
 _EVERY = 8
@@ -21,7 +22,7 @@ _EVERY = 8
 _TOUCHING = 1e-3
 """Largest distance of bodies that touch at the start of a movement, e.g. a block and its table [m]."""
 _DEEPER = 2e-3
-"""Largest depth of bodies that touch at the start of a movement [m]. Deeper bodies hit each other."""
+"""Amount by which bodies that touch at the start of a movement may become deeper [m]."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Movement:
         for track, neighbours in zip(self.tracks, self.neighbours, strict=True):
             begin = track.at(0.0)
             for each in neighbours:
-                allowed = -_DEEPER if _touch(track.body, begin, each.body, each.pose) else 0.0
+                allowed = allow_contact(track.body, begin, each.body, each.pose)
                 limit = allowed if best is None else min(allowed, best.distance)
                 best = find_clearance([track], [(each.body, each.pose)], limit=limit) or best
         return best
@@ -74,19 +75,30 @@ def find_movements(
     Raises:
         LimitReached: the deadline passes.
     """
-    bodies = bodies_of(task)
+    bodies, precedence = bodies_of(task), Precedence(task, plan)
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         if instance.name in traces:
             deadline.check()
-            yield _find_movement(task, plan, instance, traces[instance.name], bodies)
+            yield _find_movement(task, plan, instance, traces[instance.name], bodies, precedence)
 
 
 def _find_movement(
-    task: Task, plan: TaskPlan, instance: BlockInstance, trace: Trace, bodies: Mapping[str, Body]
+    task: Task,
+    plan: TaskPlan,
+    instance: BlockInstance,
+    trace: Trace,
+    bodies: Mapping[str, Body],
+    precedence: Precedence,
 ) -> Movement:
     blocks = task.domain.block_by_name
     rules = ContactRules(blocks, [instance], task.fixed_bodies, task.token_by_name)
-    moving = _moved_meanwhile(task, plan, instance)
+    moving = {
+        token
+        for other in plan.instances
+        if other is not instance and precedence.may_overlap(other, instance)
+        for slot, token in other.slots.items()
+        if blocks[other.block].writes.get(slot)
+    }
     resting = {name: body for name, body in bodies.items() if name not in moving | set(instance.slots.values())}
     tracks, neighbours = [], []
     for slot, name in instance.slots.items():
@@ -102,18 +114,6 @@ def _find_movement(
     return Movement(instance, trace, tuple(tracks), tuple(neighbours))
 
 
-def _moved_meanwhile(task: Task, plan: TaskPlan, instance: BlockInstance) -> set[str]:
-    """Return the names of the tokens that other instances move at the same time."""
-    blocks = task.domain.block_by_name
-    return {
-        token
-        for other in plan.instances
-        if other is not instance and other.active.overlaps(instance.active)
-        for slot, token in other.slots.items()
-        if blocks[other.block].writes.get(slot)
-    }
-
-
 def _track(body: Body, trace: Trace) -> Track:
     last = len(trace.states.values) - 1
     rows = [*range(0, last, _EVERY), last]
@@ -121,7 +121,12 @@ def _track(body: Body, trace: Trace) -> Track:
     return Track(body, states[body.name, "position"][rows], states[body.name, "orientation"][rows])
 
 
-def _touch(one: Body, at: Pose, other: Body, there: Pose) -> bool:
-    return (
-        bound_distance(one, at, other, there) <= _TOUCHING and find_nearest(one, at, other, there).distance <= _TOUCHING
-    )
+def allow_contact(one: Body, at: Pose, other: Body, there: Pose) -> float:
+    """Return the least distance that two bodies may have during a movement, from their poses at its start [m].
+
+    The distance must not be negative. Only bodies that touch at the start may remain as deep as they are.
+    """
+    if bound_distance(one, at, other, there) > _TOUCHING:
+        return 0.0
+    distance = find_nearest(one, at, other, there).distance
+    return 0.0 if distance > _TOUCHING else min(distance, 0.0) - _DEEPER

@@ -37,8 +37,6 @@ def plan_and_refine(
     backend: str = "pybullet",
     processes: int | None = None,
     deadline: Deadline = NEVER,
-    *,
-    optimise: bool = True,
 ) -> PlanOutcome:
     """Plan a task, optimise and route the whole plan, and replan without the failing bindings until a plan succeeds.
 
@@ -49,31 +47,67 @@ def plan_and_refine(
         backend: name of the physics backend for tasks with ``refine: physics``.
         processes: number of physics processes, by default one per processor. The result does not depend on the number.
         deadline: deadline of the command. If it passes, the outcome is a failure with the plan that was found before.
-        optimise: whether to optimise the hyperparameters. Otherwise only collisions make a plan fail, and a plan that
-            moves every body is not evaluated.
 
     Raises:
         InputError: if the planner or the backend is unknown.
         NotFinite: if every rollout of a plan fails.
     """
+    workers = processes or count_processors()
+
+    def optimise(outcome: PlanOutcome, plan: TaskPlan) -> RefinedPlan:
+        return _optimise(outcome, plan, progress, backend, workers, deadline)
+
+    def accept(outcome: PlanOutcome, refined: RefinedPlan) -> PlanOutcome:
+        return replace(outcome, plan=refined.plan, refinement=refined)
+
+    return _replan(find_plan(task), find_plan, optimise, accept)
+
+
+def avoid_collisions(outcome: PlanOutcome, find_plan: FindPlan, deadline: Deadline = NEVER) -> PlanOutcome:
+    """Give paths and an order to the movements of a plan, and replan until no movement hits anything.
+
+    The hyperparameters keep their defaults, and only collisions make a plan fail. A plan that moves every body is not
+    evaluated, because that costs time. The plan remains unchanged if nothing is in the way.
+
+    Args:
+        outcome: outcome of the task planner.
+        find_plan: the task planner.
+        deadline: deadline of the command.
+
+    Raises:
+        NotFinite: if the rollout of a plan fails.
+    """
+
+    def evaluate(outcome: PlanOutcome, plan: TaskPlan) -> RefinedPlan | None:
+        return route_defaults(outcome.chosen or outcome.task, plan, deadline)
+
+    def accept(outcome: PlanOutcome, refined: RefinedPlan) -> PlanOutcome:
+        changed = refined.plan.order or any(instance.path for instance in refined.plan.instances)
+        return replace(outcome, plan=refined.plan) if changed else outcome
+
+    return _replan(outcome, find_plan, evaluate, accept)
+
+
+def _replan(
+    outcome: PlanOutcome,
+    find_plan: FindPlan,
+    evaluate: Callable[[PlanOutcome, TaskPlan], RefinedPlan | None],
+    accept: Callable[[PlanOutcome, RefinedPlan], PlanOutcome],
+) -> PlanOutcome:
+    """Evaluate a plan, and replan without the failing binding until a plan succeeds or cannot be evaluated."""
     excluded: tuple[Exclusion, ...] = ()
-    current = task
+    current, most = outcome.task, outcome.task.limits.refinements
     while True:
-        outcome = find_plan(current)
         if excluded:
             outcome = replace(outcome, excluded=excluded, planner=outcome.planner.unproven)
         if outcome.plan is None or outcome.failure is not None:
             return _give_up(outcome) if excluded and outcome.status != "limit" else outcome
         try:
-            refined = (
-                _optimise(outcome, outcome.plan, progress, backend, processes or count_processors(), deadline)
-                if optimise
-                else route_defaults(outcome.chosen or task, outcome.plan, deadline)
-            )
+            refined = evaluate(outcome, outcome.plan)
         except LimitReached as limit:
             return replace(outcome, failure=PlanningFailure.of(limit))
         if refined is None or refined.shortfall is None:
-            return _succeed(outcome, refined, optimise)
+            return outcome if refined is None else accept(outcome, refined)
         planned = outcome.plan
         failing = _failing_instance(current, planned, refined.shortfall)
         _LOG.info("the plan is refused, because in %s, %s", failing.name, refined.shortfall.text)
@@ -83,9 +117,10 @@ def plan_and_refine(
             current = _exclude(outcome.chosen or current, current, planned, failing)
         except InputError as error:
             return _give_up(outcome, str(error))
-        if len(excluded) > task.limits.refinements:
-            said = f"the limit of {task.limits.refinements} refinements is reached (excluded bindings: {len(excluded)})"
+        if len(excluded) > most:
+            said = f"the limit of {most} refinements is reached (excluded bindings: {len(excluded)})"
             return _give_up(outcome, said)
+        outcome = find_plan(current)
 
 
 def _optimise(
@@ -108,15 +143,6 @@ def _optimise(
         return refine(task, one, tell, rollouts, measured=measured, deadline=deadline)
 
     return route(task, plan, choose, deadline)
-
-
-def _succeed(outcome: PlanOutcome, refined: RefinedPlan | None, optimised: bool) -> PlanOutcome:
-    """Return the outcome with its final plan. Without optimisation, only paths around bodies change the plan."""
-    if optimised and refined is not None:
-        return replace(outcome, plan=refined.plan, refinement=refined)
-    if refined is not None and any(instance.path for instance in refined.plan.instances):
-        return replace(outcome, plan=refined.plan)
-    return outcome
 
 
 def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> BlockInstance:

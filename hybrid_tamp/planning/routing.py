@@ -1,7 +1,7 @@
-"""Evaluation of a plan in the forward models, with paths for movements that would hit bodies."""
+"""Evaluation of a plan in the forward models, with paths and an order for movements that would hit something."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +13,9 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import CLEAR, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.clearance import find_movements
+from hybrid_tamp.planning.clearance import Movement, find_movements
 from hybrid_tamp.planning.detours import find_detour
+from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 
 _LOG = logging.getLogger(__name__)
 
@@ -23,7 +24,7 @@ Evaluate = Callable[[TaskPlan, Rollouts], RefinedPlan]
 
 
 def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = NEVER) -> RefinedPlan:
-    """Evaluate a plan, and add paths around the bodies that its movements hit, until no movement hits a body.
+    """Evaluate a plan, and add paths around bodies and an order of movements, until no movement hits anything.
 
     If there is no path around a body, the shortfall of the result names the body.
 
@@ -42,20 +43,47 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
         refined = evaluate(plan, rollouts)
         if refined.shortfall is not None:
             return refined
-        for movement in find_movements(task, refined.plan, rollouts.trace(refined.plan), deadline):
-            hit = movement.find_hit()
-            if hit is not None:
-                break
-        else:
+        movements = list(find_movements(task, refined.plan, rollouts.trace(refined.plan), deadline))
+        changed = _avoid_bodies(task, refined, plan, movements) or _avoid_meetings(task, refined, plan, movements)
+        if changed is None:
             return refined
-        name, given = movement.instance.name, movement.instance.path
-        path = None if given else find_detour(task, movement, _seed(task, name))
+        if isinstance(changed, Shortfall):
+            return replace(refined, shortfall=changed)
+        plan = changed
+
+
+def _avoid_bodies(
+    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Movement]
+) -> TaskPlan | Shortfall | None:
+    """Return the plan with a path for the first movement that hits a body at rest, or the reason if there is none."""
+    for movement in movements:
+        hit = movement.find_hit()
+        if hit is None:
+            continue
+        name, follows = movement.instance.name, task.domain.block_by_name[movement.instance.block].path is not None
+        path = None if movement.instance.path else find_detour(task, movement, _seed(task, name))
         if path is None:
-            sought = task.domain.block_by_name[movement.instance.block].path is not None
-            atom = Atom(CLEAR, (hit.moving, hit.other))
-            return replace(refined, shortfall=Shortfall(name, atom, "m", hit.distance, detour=sought))
+            return Shortfall(name, Atom(CLEAR, (hit.moving, hit.other)), "m", hit.distance, detour=follows)
         _LOG.info("%s follows a path with %d corners, because %s would hit %s", name, len(path), hit.moving, hit.other)
-        plan = plan.with_path(name, path)
+        return plan.with_path(name, path)
+    return None
+
+
+def _avoid_meetings(
+    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Movement]
+) -> TaskPlan | Shortfall | None:
+    """Return the plan in which one of two movements that meet goes first, or the reason if neither can go first."""
+    found = find_meeting(task, refined.plan, movements)
+    if found is None:
+        return None
+    one, other, bodies = found
+    for first, second in ((one.instance.name, other.instance.name), (other.instance.name, one.instance.name)):
+        ordered = put_in_order(task, refined.plan, first, second)
+        if ordered is not None:
+            _LOG.info("%s starts after %s, because %s meets %s on the way", second, first, *bodies)
+            times = {each.name: (each.start, each.reached, each.end) for each in ordered.instances}
+            return plan.with_order(first, second).retime(times)
+    return Shortfall(other.instance.name, Atom(CLEAR, bodies), "m", 0.0)
 
 
 def route_defaults(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> RefinedPlan | None:

@@ -141,6 +141,7 @@ KEYS: Mapping[type, Keys] = {
         "cost",
         Key("actions", sources.actions),
         "steps",
+        Key("order", default=list),
         "network",
         "explanation",
         Key("refinement", sources.refined, default=None, keys=_REFINEMENT),

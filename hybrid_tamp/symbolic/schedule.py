@@ -49,7 +49,7 @@ def schedule(
     final = max(i.begin for i in instances) + 1
     ends = [final if i.end is None else i.end for i in instances]
     network = _Network(task, instances, ends, [each.seconds for each in expected])
-    times = _earliest(list(network.constraints(final)), final + 1)
+    times = find_earliest(list(network.constraints(final)), final + 1)
     timed = [
         instance.timed(times[instance.begin], times[end], each.initial_values, _reached(task, instance, each, times))
         for instance, end, each in zip(instances, ends, expected, strict=True)
@@ -170,8 +170,16 @@ def _key(atom: Atom) -> tuple[str, str]:
     return (atom.predicate, atom.arguments[0] if atom.arguments else "")
 
 
-def _earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
-    """Return the earliest time of each event [s], which is the length of the longest path from event 0."""
+def find_earliest(constraints: Sequence[Constraint], count: int) -> list[float]:
+    """Return the earliest time of each event [s], which is the length of the longest path from event 0.
+
+    Args:
+        constraints: constraints between the events.
+        count: number of events.
+
+    Raises:
+        InfeasibleScheduleError: If the constraints contradict each other.
+    """
     sources, targets = (np.array([each[side] for each in constraints], dtype=np.intp) for side in (0, 1))
     ticks = np.array([round(each[2] / TICK) for each in constraints], dtype=np.int64)
     times = np.zeros(count, dtype=np.int64)

@@ -9,7 +9,7 @@ from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
-from hybrid_tamp.planning.replanning import Progress, plan_and_refine
+from hybrid_tamp.planning.replanning import Progress, avoid_collisions, plan_and_refine
 from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.causal_links import find_causes
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
@@ -52,7 +52,10 @@ def explain(
     with PlannerProcess() as process:
         task, deadline = load_timed(source, settings, plans=True)
         planning = partial(plan_task, planner=process, deadline=deadline)
-        planned = plan_and_refine(task, planning, progress, deadline=deadline, optimise=optimise)
+        if optimise:
+            planned = plan_and_refine(task, planning, progress, deadline=deadline)
+        else:
+            planned = avoid_collisions(planning(task), planning, deadline)
         outcome = blame_factors(planned, process, deadline)
     excluded = tuple(each.text for each in outcome.excluded)
     if outcome.plan is not None:

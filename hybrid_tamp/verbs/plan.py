@@ -7,7 +7,7 @@ from pathlib import Path
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
-from hybrid_tamp.planning.replanning import Progress, plan_and_refine
+from hybrid_tamp.planning.replanning import Progress, avoid_collisions, plan_and_refine
 from hybrid_tamp.planning.safety import blame_factors
 from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.convergence import convergence_picture
@@ -59,7 +59,10 @@ def plan(
         task, deadline = load_timed(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
         planning = partial(plan_task, planner=process, deadline=deadline)
-        outcome = plan_and_refine(task, planning, progress, deadline=deadline, optimise=optimise)
+        if optimise:
+            outcome = plan_and_refine(task, planning, progress, deadline=deadline)
+        else:
+            outcome = avoid_collisions(planning(task), planning, deadline)
         outcome = blame_factors(outcome, process, deadline)
     if outcome.plan is None:
         outcome = explain_outcome(outcome, trials, 1, deadline)
