@@ -78,24 +78,22 @@ class Shortfall:
         atom: condition that fails.
         unit: unit of the margin.
         margin: signed margin of the condition [unit].
-        detour: whether the condition is `CLEAR` and no path around the body was found.
+        remark: why nothing avoids a collision. Empty for other conditions.
     """
 
     where: str
     atom: Atom
     unit: str
     margin: float
-    detour: bool = False
+    remark: str = ""
 
     @property
     def text(self) -> str:
         """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
         if self.atom.predicate == CLEAR:
             moving, other = self.atom.arguments
-            if self.margin == 0.0:
-                return f"{moving} meets {other}, and neither movement can go first"
-            around = ", and the search found no path around it" if self.detour else ""
-            return f"{moving} hits {other}, {-self.margin:.3g} m deep{around}"
+            hit = f"{moving} hits {other}, {-self.margin:.3g} m deep" if self.margin else f"{moving} meets {other}"
+            return f"{hit}, {self.remark}" if self.remark else hit
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
 

@@ -60,6 +60,15 @@ class Movement:
                 best = find_clearance([track], [(each.body, each.pose)], limit=limit) or best
         return best
 
+    def ends_inside(self, hit: Clearance) -> bool:
+        """Return whether the two bodies of a collision overlap at the end of the movement."""
+        return any(
+            find_nearest(track.body, track.at(len(track.positions) - 1.0), each.body, each.pose).distance < 0
+            for track, neighbours in zip(self.tracks, self.neighbours, strict=True)
+            for each in neighbours
+            if (track.body.name, each.body.name) == (hit.moving, hit.other)
+        )
+
 
 def find_movements(
     task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER

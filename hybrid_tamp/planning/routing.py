@@ -60,10 +60,12 @@ def _avoid_bodies(
         hit = movement.find_hit()
         if hit is None:
             continue
-        name, follows = movement.instance.name, task.domain.block_by_name[movement.instance.block].path is not None
+        name, block = movement.instance.name, task.domain.block_by_name[movement.instance.block]
         path = None if movement.instance.path else find_detour(task, movement, _seed(task, name))
         if path is None:
-            return Shortfall(name, Atom(CLEAR, (hit.moving, hit.other)), "m", hit.distance, detour=follows)
+            remark = "" if block.path is None else "and the search found no path around it"
+            remark = "where the movement ends" if movement.ends_inside(hit) else remark
+            return Shortfall(name, Atom(CLEAR, (hit.moving, hit.other)), "m", hit.distance, remark)
         _LOG.info("%s follows a path with %d corners, because %s would hit %s", name, len(path), hit.moving, hit.other)
         return plan.with_path(name, path)
     return None
@@ -83,7 +85,7 @@ def _avoid_meetings(
             _LOG.info("%s starts after %s, because %s meets %s on the way", second, first, *bodies)
             times = {each.name: (each.start, each.reached, each.end) for each in ordered.instances}
             return plan.with_order(first, second).retime(times)
-    return Shortfall(other.instance.name, Atom(CLEAR, bodies), "m", 0.0)
+    return Shortfall(other.instance.name, Atom(CLEAR, bodies), "m", 0.0, "and neither movement can go first")
 
 
 def route_defaults(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> RefinedPlan | None:

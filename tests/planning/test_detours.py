@@ -75,3 +75,10 @@ def test_a_hand_in_a_closed_room_is_refused_with_the_wall(tmp_path: Path) -> Non
     assert outcome.status == "unknown"
     assert "hand hits wall-" in str(outcome.error)
     assert "the search found no path around it" in str(outcome.error)
+
+
+def test_a_place_inside_a_wall_is_named(tmp_path: Path) -> None:
+    outcome = hybrid_tamp.plan(write_task(tmp_path, [([-0.2, 0.0, 0.3], [0.07, 0.4, 0.3])]))
+    assert outcome.plan is None
+    assert "hand hits wall-0" in str(outcome.error)
+    assert "where the movement ends" in str(outcome.error)
