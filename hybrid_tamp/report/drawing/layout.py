@@ -17,9 +17,9 @@ from hybrid_tamp.report.drawing.wires import Wire
 Point = tuple[float, float]
 _SEED, _PLACEMENTS = 0, 12
 """Seed of the searches, and number of placements for which wires are routed. The best drawing is kept."""
-_IMPROVED, _SHUFFLED, _ATTEMPTS = 4, 2, 40
-"""Number of the cheapest drawings that are improved, number of the best of these whose wires are then routed again in
-random orders, and number of these attempts."""
+_IMPROVED, _ATTEMPTS = 4, 40
+"""Number of the cheapest drawings that are improved, and number of attempts to route wires of the best of these again
+in random orders."""
 _LANES = 8
 """Number of vertical lines between two columns, unless the wires need more."""
 BAR_HEIGHT = 6
@@ -83,16 +83,9 @@ def lay_out(diagram: Diagram) -> Layout:
     best = sorted(routers, key=lambda router: router.cost)[:_IMPROVED]
     for router in best:
         router.improve()
-    best = sorted(best, key=_rank)[:_SHUFFLED]
-    for router in best:
-        router.shuffle(np.random.default_rng(_SEED), _ATTEMPTS)
-    router = min(best, key=_rank)
+    router = min(best, key=lambda router: (router.crossings, router.cost))
+    router.shuffle(np.random.default_rng(_SEED), _ATTEMPTS)
     return _Positions(router.lattice, router.courses).layout()
-
-
-def _rank(router: Router) -> tuple[int, float]:
-    """Return a sort key. The best courses cross least."""
-    return router.crossings, router.cost
 
 
 def _routers(lattices: Iterable[Lattice]) -> Iterator[Router]:

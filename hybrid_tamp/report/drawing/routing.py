@@ -214,7 +214,7 @@ class Router:
             for turned in (direction,) if node in passed else (direction, 1 - direction):
                 for other, length in ahead[node, turned]:
                     state = passed.get(other)
-                    if state == TAKEN or state == turned or (node, other) in lines:
+                    if state in (TAKEN, turned) or (node, other) in lines:
                         continue
                     new = cost + length + _BEND * (turned != direction) + _CROSSING * (state is not None)
                     if new < best.get((other, turned), _FAR):
