@@ -75,7 +75,7 @@ class Layout:
 
 
 def lay_out(diagram: Diagram) -> Layout:
-    """Return the layout of a diagram with the fewest crossings that a search finds. Equal diagrams have equal layouts."""
+    """Return the layout with the fewest crossings that a search finds. Equal diagrams have equal layouts."""
     sizes = Sizes.of(diagram)
     placements, lanes = place_boxes(sizes, _SEED, _PLACEMENTS), _LANES
     while not (routers := [*_routers([Lattice(sizes, placement, lanes) for placement in placements])]):
