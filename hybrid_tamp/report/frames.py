@@ -12,6 +12,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.appearance import choose_colours, legend
 from hybrid_tamp.physics.pictures.sight import choose_shot
 from hybrid_tamp.physics.pictures.subject import find_actors
+from hybrid_tamp.physics.pictures.track import Track
 from hybrid_tamp.physics.pictures.view import Rectangle, View
 from hybrid_tamp.report.caption import Captions
 from hybrid_tamp.report.labels import Labels
@@ -22,6 +23,10 @@ _MOST_LABELS = 20
 
 class Scene(Protocol):
     """A renderer that draws the scene without text, in the size `Layout.scene`."""
+
+    def aim(self, view: View) -> None:
+        """Change the view of the scene."""
+        ...
 
     def picture(self, state: State) -> Picture:
         """Return the picture of a state ``(n,)``, of shape ``(height, width, 3)``."""
@@ -40,10 +45,14 @@ class Frames:
         recording: the recording of the run.
         layout: places of the scene and of the text.
         scene: renderer of the scene.
+        track: views of the camera. None means that the camera does not move.
     """
 
-    def __init__(self, task: Task, recording: Recording, layout: Layout, scene: Scene) -> None:
+    def __init__(
+        self, task: Task, recording: Recording, layout: Layout, scene: Scene, track: Track | None = None
+    ) -> None:
         self.recording = recording
+        self._track = track
         self._layout = layout
         self._scene = scene
         actors, colours = find_actors(task, recording), choose_colours(task)
@@ -62,6 +71,8 @@ class Frames:
         for time, captioned in instants:
             deadline.check()
             state = self.recording.at(time)
+            if self._track is not None:
+                self._scene.aim(self._track.at(time))
             picture = Image.fromarray(self._scene.picture(state))
             labels.draw(picture, self._scene.bounds(state))
             yield self._layout.frame(picture, captioned)

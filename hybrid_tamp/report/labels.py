@@ -114,6 +114,8 @@ class Labels:
 def _places(body: Rectangle, label: tuple[int, int], gap: int, size: tuple[int, int]) -> Iterator[Rectangle]:
     """Yield places beside a body, at growing distances, and then places anywhere in the picture."""
     width, height = label
+    # No label touches the edge of the picture, unless the picture is too narrow.
+    border = max(min(gap, (size[0] - width) // 2, (size[1] - height) // 2), 0)
     if width > size[0] or height > size[1]:
         return
     x, y = _middle(body)
@@ -123,14 +125,14 @@ def _places(body: Rectangle, label: tuple[int, int], gap: int, size: tuple[int, 
             beside = width / 2 if abs(right) == 1 else 0.0
             across = x + right * ((body[2] - body[0]) / 2 + (away if down == 0 else ring * height) + beside)
             along = y + down * ((body[3] - body[1]) / 2 + away + height / 2)
-            yield _inside(across - width / 2, along - height / 2, label, size)
+            yield _inside(across - width / 2, along - height / 2, label, size, border)
     for row, column in product(range(_GRID), repeat=2):
-        yield _inside(column * size[0] / _GRID, row * size[1] / _GRID, label, size)
+        yield _inside(column * size[0] / _GRID, row * size[1] / _GRID, label, size, border)
 
 
-def _inside(left: float, top: float, label: tuple[int, int], size: tuple[int, int]) -> Rectangle:
-    x = int(min(max(left, 0), size[0] - label[0]))
-    y = int(min(max(top, 0), size[1] - label[1]))
+def _inside(left: float, top: float, label: tuple[int, int], size: tuple[int, int], border: int) -> Rectangle:
+    x = int(min(max(left, border), size[0] - label[0] - border))
+    y = int(min(max(top, border), size[1] - label[1] - border))
     return x, y, x + label[0], y + label[1]
 
 

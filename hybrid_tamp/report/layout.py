@@ -22,9 +22,12 @@ _BACKGROUND = (255, 255, 255)
 _RULE = (205, 210, 216)
 _INK, _PALE = (28, 33, 40), (104, 112, 122)
 _GOOD, _BAD = (26, 127, 55), (190, 40, 35)
-_LETTERS, _SMALLEST = 64, 9
+_LETTERS, _SMALLEST = 52, 9
+"""Number of letters per width of a frame, so that a frame is readable at a width of 400 pixels, and smallest size."""
+_LEGEND = 0.85
+"""Size of the legend's letters compared with the other letters."""
 _TEXT_HEIGHT = 0.45
-_PANEL_WIDTH = 0.3
+_PANEL_WIDTH = 0.33
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class Layout(ABC):
 
     def __init__(self, captions: Captions, legend: Legend, size: tuple[int, int]) -> None:
         self.letters = Letters(max(size[0] // _LETTERS, _SMALLEST))
+        self.small = Letters(max(round(_LEGEND * self.letters.size), _SMALLEST))
         self._captions = captions
         self._legend = legend
         self._size = size
@@ -88,11 +92,11 @@ class Layout(ABC):
         draw.text(middle, verdict.text, _BACKGROUND, self.letters.font, anchor="mm")
 
     def _write_class(self, draw: ImageDraw.ImageDraw, x: float, y: float, text: str, colour: Colour) -> None:
-        size = round(0.8 * self.letters.size)
-        above = y + (self.letters.line - size) / 2
+        size = round(0.8 * self.small.size)
+        above = y + (self.small.line - size) / 2
         red, green, blue = (round(255 * channel) for channel in colour)
         draw.rounded_rectangle((x, above, x + size, above + size), size // 4, fill=(red, green, blue))
-        draw.text((x + 1.2 * self.letters.size, y), text, _PALE, self.letters.font)
+        draw.text((x + 1.2 * self.small.size, y), text, _PALE, self.small.font)
 
     def _write_line(self, draw: ImageDraw.ImageDraw, x: float, y: float, line: _Line) -> None:
         draw.text((x, y), line.text, _PALE if line.pale else _INK, self.letters.font)
@@ -120,7 +124,7 @@ class Strips(Layout):
         self._header = self._fill_header()[: rows - 1]
         left = rows - len(self._header)
         self._lines = [self._wrap(each, size[0] - 2 * self._margin, left) for each in captions.paragraphs]
-        self._top = 2 * self._margin + line * len(self._header)
+        self._top = 2 * self._margin + max(line, self.small.line * len(self._header))
         self._bottom = 2 * self._margin + line * max(map(len, self._lines))
 
     @property
@@ -136,7 +140,7 @@ class Strips(Layout):
         for row, classes in enumerate(self._header):
             x = float(margin)
             for text, colour in classes:
-                self._write_class(draw, x, margin + row * line, text, colour)
+                self._write_class(draw, x, margin + row * self.small.line, text, colour)
                 x += self._class_width(text)
         draw.text((width - margin, margin), self._captions.headline(time), _INK, self.letters.font, anchor="ra")
         for edge in (self._top - 1, height - self._bottom):
@@ -145,7 +149,7 @@ class Strips(Layout):
             self._write_line(draw, margin, height - self._bottom + margin + row * line, each)
 
     def _class_width(self, text: str) -> float:
-        return self.letters.width(text) + 2.4 * self.letters.size
+        return self.small.width(text) + 2.4 * self.small.size
 
     def _fill_header(self) -> list[list[tuple[str, Colour]]]:
         """Return the rows of the legend. Each row leaves room for the headline."""
@@ -153,7 +157,7 @@ class Strips(Layout):
         room = self._size[0] - self.letters.width(self._captions.last_headline) - 4 * self._margin
         left = room
         for text, colour in self._legend:
-            short = self.letters.cut(text, room - 2.4 * self.letters.size)
+            short = self.small.cut(text, room - 2.4 * self.small.size)
             if rows[-1] and self._class_width(short) > left:
                 rows.append([])
                 left = room
@@ -172,7 +176,7 @@ class Panel(Layout):
         classes = [
             (text, colour if number == 0 else None)
             for name, colour in legend
-            for number, text in enumerate(self.letters.wrap(name, room - 1.2 * self.letters.size))
+            for number, text in enumerate(self.small.wrap(name, room - 1.2 * self.small.size))
         ]
         rows = (size[1] - 4 * self._margin) // self.letters.line - 2
         self._classes = classes[: rows // 2]
@@ -198,10 +202,10 @@ class Panel(Layout):
             self._write_line(draw, 2 * self._margin, y, each)
             y += line
         draw.line([(self._width - 1, 0), (self._width - 1, self._size[1])], fill=_RULE)
-        y = self._size[1] - 2 * self._margin - line * len(self._classes)
+        y = self._size[1] - 2.0 * self._margin - self.small.line * len(self._classes)
         for text, colour in self._classes:
             if colour is None:
-                draw.text((2 * self._margin + 1.2 * self.letters.size, y), text, _PALE, self.letters.font)
+                draw.text((2 * self._margin + 1.2 * self.small.size, y), text, _PALE, self.small.font)
             else:
                 self._write_class(draw, 2 * self._margin, y, text, colour)
-            y += line
+            y += self.small.line

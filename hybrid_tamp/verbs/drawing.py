@@ -9,6 +9,7 @@ from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.pictures.rendering import Renderer
+from hybrid_tamp.physics.pictures.track import follow
 from hybrid_tamp.report import gif as gifs
 from hybrid_tamp.report.folder import RunFolder
 from hybrid_tamp.report.frame_size import SIZE, check_size
@@ -51,17 +52,19 @@ def draw_run(
         InputError: a file cannot be written.
         LimitReached: the deadline passes.
     """
-    with _open_frames(task, recording, films.size) as frames:
-        step_pictures(folder.path, frames, deadline)
+    with _open_frames(task, recording, films.size) as (still, moving):
+        step_pictures(folder.path, still, deadline)
         if films.video is not None:
-            write_video(films.video, frames, progress, deadline)
+            write_video(films.video, moving, progress, deadline)
     if films.gif is not None:
-        with _open_frames(task, recording, gifs.fit_size(films.size)) as frames:
-            gifs.write_gif(films.gif, frames, progress, deadline)
+        with _open_frames(task, recording, gifs.fit_size(films.size)) as (_, moving):
+            gifs.write_gif(films.gif, moving, progress, deadline)
 
 
 @contextmanager
-def _open_frames(task: Task, recording: Recording, size: tuple[int, int]) -> Iterator[Frames]:
+def _open_frames(task: Task, recording: Recording, size: tuple[int, int]) -> Iterator[tuple[Frames, Frames]]:
+    """Yield frames from a camera that does not move, so that they can be compared, and from one that does."""
     layout, view = choose_layout(task, recording, size)
     with Renderer(task, view) as renderer:
-        yield Frames(task, recording, layout, renderer)
+        frames = [Frames(task, recording, layout, renderer, track) for track in (None, follow(task, recording, view))]
+        yield frames[0], frames[1]

@@ -25,9 +25,9 @@ from hybrid_tamp.verbs.network import network
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 REDUCED = "roll_cylinder"
 CROSSINGS = {
-    "rolling_tumbling": 11,
+    "rolling_tumbling": 7,
     "joint_lifting": 2,
-    "tool_use": 3,
+    "tool_use": 2,
     **{str(EXAMPLES / name / "domain.py"): 0 for name in ("sweeping", "drawer", "placing")},
 }
 CROSSINGS[REDUCED] = 0

@@ -25,7 +25,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.pictures.appearance import legend
-from hybrid_tamp.physics.pictures.view import Rectangle
+from hybrid_tamp.physics.pictures.view import Rectangle, View
 from hybrid_tamp.report import gif
 from hybrid_tamp.report.caption import Captions, allocation
 from hybrid_tamp.report.frames import Frames
@@ -82,6 +82,9 @@ class Columns:
 
     def __init__(self, size: tuple[int, int]) -> None:
         self.width, self.height = size
+
+    def aim(self, view: View) -> None:
+        """The scene has no camera."""
 
     def picture(self, state: State) -> Any:
         picture = np.full((self.height, self.width, 3), 240, dtype=np.uint8)

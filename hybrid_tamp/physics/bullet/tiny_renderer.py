@@ -27,13 +27,17 @@ class TinyRenderer(Client):
 
     Args:
         meshes: surfaces of the bodies.
-        view: view of the scene.
+        view: first view of the scene.
     """
 
     def __init__(self, meshes: Sequence[ColouredMesh], view: View) -> None:
         super().__init__()
-        self._view = view
         self._drawn = [(each.token, self._draw(each.mesh, each.colour)) for each in meshes]
+        self.aim(view)
+
+    def aim(self, view: View) -> None:
+        """Change the view of the scene. Bodies must be placed again."""
+        self._view = view
         # The renderer's light points at the origin, so the scene is shifted until the target is at the origin.
         eye = (view.camera.eye - view.camera.target).tolist()
         self._matrix = pybullet.computeViewMatrix(eye, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))

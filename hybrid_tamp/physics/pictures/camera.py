@@ -53,6 +53,18 @@ class Spheres:
 def frame_camera(spheres: Spheres, aspect: float, turn: float = TURN, elevation: float = ELEVATION) -> Camera:
     """Return the nearest camera that shows all spheres. The longest extent of the spheres appears horizontal.
 
+    Args:
+        spheres: spheres to show.
+        aspect: ratio of the picture's width to its height.
+        turn: horizontal angle between the view and the normal of the motion [rad].
+        elevation: angle of the camera above the horizontal [rad].
+    """
+    return fit_camera(spheres, aspect, _axes(spheres.centres, turn, elevation))
+
+
+def fit_camera(spheres: Spheres, aspect: float, axes: FloatArray) -> Camera:
+    """Return the nearest camera with a given direction that shows all spheres.
+
     Let (x, y, z) be the centre of a sphere relative to the target, along the axes right, up and backward. Let D be the
     distance from the camera to the target, and let h be half the angle of view. The picture's left edge does not cut
     the sphere if ``D >= z + (radius - x cos h) / sin h``. The other edges give similar bounds. Each bound is linear in
@@ -61,10 +73,9 @@ def frame_camera(spheres: Spheres, aspect: float, turn: float = TURN, elevation:
     Args:
         spheres: spheres to show.
         aspect: ratio of the picture's width to its height.
-        turn: horizontal angle between the view and the normal of the motion [rad].
-        elevation: angle of the camera above the horizontal [rad].
+        axes: unit vectors to the right, up and backward in the world frame, as rows of shape ``(3, 3)``.
     """
-    right, up, back = _axes(spheres.centres, turn, elevation)
+    right, up, back = axes
     vertical = FIELD_OF_VIEW / 2
     horizontal = np.arctan(np.tan(vertical) * aspect)
     middle = np.mean(spheres.bounds, axis=0)
@@ -81,8 +92,11 @@ def frame_camera(spheres: Spheres, aspect: float, turn: float = TURN, elevation:
     return Camera(target + back * max(distances) * SPARE, target)
 
 
-def _axes(points: NDArray[np.float64], turn: float, elevation: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return unit vectors to the right, up and backward. The points ``(n, 3)`` spread most along the first vector."""
+def _axes(points: NDArray[np.float64], turn: float, elevation: float) -> FloatArray:
+    """Return unit vectors to the right, up and backward, as rows of shape ``(3, 3)``.
+
+    The points ``(n, 3)`` spread most along the first vector.
+    """
     level = points[:, :2] - points[:, :2].mean(axis=0)
     _, spreads, directions = np.linalg.svd(level, full_matrices=False)
     along = directions[0] if spreads[0] > 1e-9 else np.array([1.0, 0.0])
@@ -93,4 +107,4 @@ def _axes(points: NDArray[np.float64], turn: float, elevation: float) -> tuple[F
     right = np.array([cos * along[0] - sin * along[1], sin * along[0] + cos * along[1], 0.0])
     away = np.cross(_UP, right)
     back = -np.cos(elevation) * away + np.sin(elevation) * _UP
-    return right, np.cross(back, right), back
+    return np.stack([right, np.cross(back, right), back])

@@ -56,42 +56,59 @@ def light_direction(view: View) -> FloatArray:
     return np.asarray(LIGHT[0] * right + LIGHT[1] * toward + LIGHT[2] * np.array([0.0, 0.0, 1.0]))
 
 
-def paint_floor(view: View, regions: Iterable[tuple[Region, FloatArray]]) -> Image.Image:
+def tile_size(view: View) -> float:
+    """Return a length of the floor's tiles [m] that suits a view."""
+    return next((each for each in _SIZES if each * _TILES_IN_VIEW >= view.camera.distance), _SIZES[-1])
+
+
+def paint_floor(view: View, tile: float, regions: Iterable[tuple[Region, FloatArray]]) -> Image.Image:
     """Return the picture of the floor without bodies.
 
     Args:
         view: view of the scene.
+        tile: length of the floor's tiles [m].
         regions: pairs of a region and the position of its centre, ``(2,)`` or ``(3,)`` [m].
     """
     placed = tuple(regions)
     # Strips bound the memory that a large picture needs.
-    strips = [_paint_strip(view, top, min(top + _STRIP, view.height), placed) for top in range(0, view.height, _STRIP)]
+    strips = [
+        _paint_strip(view, tile, (top, min(top + _STRIP, view.height)), placed) for top in range(0, view.height, _STRIP)
+    ]
     return Image.fromarray(np.round(np.concatenate(strips) * 255).astype(np.uint8))
 
 
-def _paint_strip(view: View, top: int, bottom: int, regions: Sequence[tuple[Region, FloatArray]]) -> FloatArray:
-    """Return the colours ``(bottom - top, width, 3)`` of rows of the picture."""
-    pixels = np.meshgrid(np.arange(view.width) + 0.5, np.arange(top, bottom) + 0.5)
+def _paint_strip(
+    view: View, tile: float, rows: tuple[int, int], regions: Sequence[tuple[Region, FloatArray]]
+) -> FloatArray:
+    """Return the colours ``(last - first, width, 3)`` of rows (first, last) of the picture, without the last."""
+    pixels = np.meshgrid(np.arange(view.width) + 0.5, np.arange(*rows) + 0.5)
     points = view.meet_floor(np.stack(pixels, axis=-1))
     beyond = ~np.isfinite(points[..., 0])
     points[beyond] = 0.0
     scale = view.camera.distance
-    size = next((each for each in _SIZES if each * _TILES_IN_VIEW >= scale), _SIZES[-1])
     # Tiles in two directions: an edge is where the wave is zero.
-    one, other = (_covered(np.abs(points[..., axis] / size % 2 - 1) - 0.5) for axis in (0, 1))
+    one, other = (_covered(np.abs(points[..., axis] / tile % 2 - 1) - 0.5) for axis in (0, 1))
     colours = _mixed(np.broadcast_to(_TILES[0], (*one.shape, 3)), _TILES[1], one + other - 2 * one * other)
     away = np.linalg.norm(points - view.camera.target[:2], axis=-1) / scale
     fade = np.clip((away - _FADES[0]) / (_FADES[1] - _FADES[0]), 0.0, 1.0)
     colours = _mixed(colours, _SKY, np.where(beyond, 1.0, fade * fade * (3 - 2 * fade)))
     for region, centre in regions:
-        inside, lines = _cover_region(points - np.asarray(centre)[:2], region, scale)
-        for share in (_FILL * inside, lines):
-            colours = _mixed(colours, np.array(region.colour), np.where(beyond, 0.0, share))
+        offset = points - np.asarray(centre)[:2]
+        near = np.abs(offset) < region.radius + region.reach + _ARM * scale
+        if np.any(near[..., 0] & near[..., 1]):
+            for share in _cover_region(offset, region, scale):
+                colours = _mixed(colours, np.array(region.colour), np.where(beyond, 0.0, share))
     return colours
 
 
 def _cover_region(offset: FloatArray, region: Region, scale: float) -> tuple[FloatArray, FloatArray]:
-    """Return how much of each pixel the inside and the lines of a region cover, at an offset from its centre [m]."""
+    """Return the shares of the region's colour in each pixel, of the inside and of the lines.
+
+    Args:
+        offset: position of each pixel on the floor, relative to the centre of the region, ``(h, w, 2)`` [m].
+        region: the region.
+        scale: distance of the camera [m].
+    """
     distance = np.linalg.norm(offset, axis=-1)
     rim = max(_RIM * region.radius, _LINE * scale)
     inside = _covered(region.radius - distance)
@@ -104,7 +121,7 @@ def _cover_region(offset: FloatArray, region: Region, scale: float) -> tuple[Flo
         between = (distance > region.radius) & (distance < region.reach + _ARM * scale)
         arms = [np.where(between, _covered(width - np.abs(offset[..., axis])), 0.0) for axis in (0, 1)]
         lines = np.maximum.reduce([lines, dashes, *arms])
-    return inside, lines
+    return _FILL * inside, lines
 
 
 def _covered(field: FloatArray) -> FloatArray:

@@ -13,7 +13,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures.appearance import ColouredMesh, choose_colours, draw_tokens
-from hybrid_tamp.physics.pictures.floor import Region, draw_shadows, paint_floor
+from hybrid_tamp.physics.pictures.floor import Region, draw_shadows, paint_floor, tile_size
 from hybrid_tamp.physics.pictures.outlines import disc_radius
 from hybrid_tamp.physics.pictures.sight import choose_shot
 from hybrid_tamp.physics.pictures.subject import goal_reach
@@ -33,6 +33,10 @@ _DECIMALS = 5
 class BodyRenderer(Resource, Protocol):
     """A renderer that draws the bodies of a task, but not the floor and not shadows."""
 
+    def aim(self, view: View) -> None:
+        """Change the view of the scene."""
+        ...
+
     def place(self, state: State) -> None:
         """Move all bodies to their poses in a state ``(n,)``."""
         ...
@@ -43,15 +47,17 @@ class BodyRenderer(Resource, Protocol):
 
 
 class Renderer(Resource):
-    """A renderer that draws states of a task with a fixed camera.
+    """A renderer that draws states of a task.
 
     Args:
         task: task with the tokens to draw.
-        view: view of the scene.
+        view: first view of the scene.
     """
 
     def __init__(self, task: Task, view: View) -> None:
         self.view = view
+        # The tiles keep their size if the camera moves.
+        self._tile = tile_size(view)
         meshes = draw_tokens(task)
         self._solids = {token.name: _solids_of(token.name, meshes) for token in task.tokens if token.shape is not None}
         self._regions = list(_regions_of(task))
@@ -62,6 +68,13 @@ class Renderer(Resource):
     def close(self) -> None:
         """Release the resources. The renderer must not be used afterwards."""
         self._bodies.close()
+
+    def aim(self, view: View) -> None:
+        """Change the view of the scene. Pictures take longer to draw if the view often changes."""
+        if view is not self.view:
+            self.view, self._floor = view, None
+            self._drawn.clear()
+            self._bodies.aim(view)
 
     def picture(self, state: State) -> NDArray[np.uint8]:
         """Return the picture of a state, as an RGB array of shape ``(height, width, 3)``."""
@@ -97,7 +110,7 @@ class Renderer(Resource):
         centres = [_on_floor(state, region.token) for region in self._regions]
         key = np.array(centres).tobytes()
         if self._floor is None or self._floor[0] != key:
-            self._floor = (key, paint_floor(self.view, zip(self._regions, centres, strict=True)))
+            self._floor = (key, paint_floor(self.view, self._tile, zip(self._regions, centres, strict=True)))
         return self._floor[1].copy()
 
 

@@ -138,6 +138,15 @@ class Lattice:
         return found
 
     @cached_property
+    def ahead(self) -> dict[tuple[int, int], list[tuple[int, float]]]:
+        """Maps each pair of (node, direction) to the neighbours in this direction, with their distances."""
+        return {
+            (node, direction): [(other, length) for other, way, length in steps if way == direction]
+            for node, steps in self.steps.items()
+            for direction in (HORIZONTAL, VERTICAL)
+        }
+
+    @cached_property
     def lengths(self) -> dict[tuple[int, int], float]:
         """Maps each pair of neighbours to their distance."""
         return {(one, other): length for one, steps in self.steps.items() for other, _, length in steps}

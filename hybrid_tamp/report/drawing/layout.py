@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.report.drawing.course import Course, count_crossings
 from hybrid_tamp.report.drawing.diagram import Diagram
@@ -13,10 +15,11 @@ from hybrid_tamp.report.drawing.sizes import GRID, Sizes
 from hybrid_tamp.report.drawing.wires import Wire
 
 Point = tuple[float, float]
-_SEED, _PLACEMENTS = 0, 6
-"""Seed of the search for placements, and number of placements for which wires are routed. The best drawing is kept."""
-_IMPROVED = 3
-"""Number of the cheapest drawings that are improved."""
+_SEED, _PLACEMENTS = 0, 12
+"""Seed of the searches, and number of placements for which wires are routed. The best drawing is kept."""
+_IMPROVED, _ATTEMPTS = 4, 40
+"""Number of the cheapest drawings that are improved, and number of attempts to route wires of the best of these again
+in random orders."""
 _LANES = 8
 """Number of vertical lines between two columns, unless the wires need more."""
 BAR_HEIGHT = 6
@@ -72,7 +75,7 @@ class Layout:
 
 
 def lay_out(diagram: Diagram) -> Layout:
-    """Return the layout of a diagram. Equal diagrams have equal layouts."""
+    """Return the layout with the fewest crossings that a search finds. Equal diagrams have equal layouts."""
     sizes = Sizes.of(diagram)
     placements, lanes = place_boxes(sizes, _SEED, _PLACEMENTS), _LANES
     while not (routers := [*_routers([Lattice(sizes, placement, lanes) for placement in placements])]):
@@ -80,20 +83,20 @@ def lay_out(diagram: Diagram) -> Layout:
     best = sorted(routers, key=lambda router: router.cost)[:_IMPROVED]
     for router in best:
         router.improve()
-    router = min(best, key=lambda router: router.cost)
+    router = min(best, key=lambda router: (router.crossings, router.cost))
+    router.shuffle(np.random.default_rng(_SEED), _ATTEMPTS)
     return _Positions(router.lattice, router.courses).layout()
 
 
 def _routers(lattices: Iterable[Lattice]) -> Iterator[Router]:
     """Yield routers with courses for each lattice that has enough space for all wires."""
     for lattice in lattices:
-        for largest_first in (False, True):
-            router = Router(lattice)
-            try:
-                router.route(largest_first=largest_first)
-            except NoCourse:
-                continue
-            yield router
+        router = Router(lattice)
+        try:
+            router.route()
+        except NoCourse:
+            continue
+        yield router
 
 
 class _Positions:

@@ -5,8 +5,11 @@ share a line. A wire is routed around those before it, so wires are removed and 
 """
 
 import heapq
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cache
 from itertools import pairwise
+
+import numpy as np
 
 from hybrid_tamp.report.drawing.course import TAKEN, Course, End, count_crossings
 from hybrid_tamp.report.drawing.lattice import HORIZONTAL, VERTICAL, Lattice
@@ -17,7 +20,9 @@ _CROSSING, _BEND, _WRONG_SIDE, _BAR, _EDGE_PIN = 45.0, 4.0, 8.0, 6.0, 0.4
 additional end at the bar, and of a pin beside the middle of its slot."""
 _AT_BAR: End = (("", ""), True)
 """The end at the bar of a wire that also connects other slots."""
-_FAR = float("inf")
+_OTHERS = 2
+"""Number of other wires that are routed again together with a wire and those that it crosses."""
+_FAR, _LEAST = float("inf"), 1e-6
 
 
 class NoCourse(Exception):
@@ -35,37 +40,56 @@ class Router:
     def __init__(self, lattice: Lattice) -> None:
         self.lattice = lattice
         wires = lattice.sizes.diagram.wires
-        self._wires = sorted(wires, key=lambda wire: (len(wire.sources) + len(wire.targets), wire.edges))
+        self._wires = sorted(wires, key=lambda wire: (len(wire.sources) + len(wire.targets), wire.edges), reverse=True)
         self.courses: dict[Wire, Course] = {}
         self._passed: dict[int, int] = {}
         self._lines: set[tuple[int, int]] = set()
 
-    def route(self, *, largest_first: bool) -> None:
-        """Route all wires twice, in the order of their numbers of ends.
+    def route(self) -> None:
+        """Route all wires twice, in the order of their numbers of ends, the largest first.
 
         Raises:
             NoCourse: a wire found no course.
         """
-        for wire in (self._wires[::-1] if largest_first else self._wires) * 2:
+        for wire in self._wires * 2:
             self._renew([wire])
 
     def improve(self) -> None:
         """Route wires again together with the wires that they cross, as long as the cost decreases."""
-        cost, improved = self.cost, True
-        while improved:
-            improved = False
-            for wire in sorted(self._wires, key=lambda each: (-len(self._crossed(each)), each.edges)):
-                kept = dict(self.courses)
-                try:
-                    self._renew([wire, *self._crossed(wire)])
-                except NoCourse:
-                    self.courses = kept
-                    continue
-                new = self.cost
-                if new < cost - 1e-6:
-                    cost, improved = new, True
-                else:
-                    self.courses = kept
+        while any([self._try([wire, *self._crossed(wire)]) for wire in self._most_crossed()]):
+            pass
+
+    def shuffle(self, rng: np.random.Generator, attempts: int) -> None:
+        """Route crossing wires and a few others again in random orders, and keep the courses that are not dearer."""
+        for _ in range(attempts):
+            crossed = [wire for wire in self._most_crossed() if self._crossed(wire)]
+            if not crossed:
+                return
+            wire = crossed[int(rng.integers(len(crossed)))]
+            others = [self._wires[int(index)] for index in rng.choice(len(self._wires), _OTHERS)]
+            group = [*dict.fromkeys([wire, *self._crossed(wire), *others])]
+            self._try([group[int(index)] for index in rng.permutation(len(group))], even=True)
+
+    def _most_crossed(self) -> list[Wire]:
+        return sorted(self._wires, key=lambda each: (-len(self._crossed(each)), each.edges))
+
+    def _try(self, wires: Iterable[Wire], *, even: bool = False) -> bool:
+        """Route wires again in the given order. Keep the new courses if they are cheaper, or if `even`, not dearer."""
+        kept, cost = dict(self.courses), self.cost
+        try:
+            self._renew(wires)
+            better = self.cost < cost - _LEAST
+            keep = better or (even and self.cost < cost + _LEAST)
+        except NoCourse:
+            better = keep = False
+        if not keep:
+            self.courses = kept
+        return better
+
+    @property
+    def crossings(self) -> int:
+        """Number of points at which two wires cross."""
+        return count_crossings(self.courses.values())
 
     @property
     def cost(self) -> float:
@@ -76,7 +100,7 @@ class Router:
         ends = sum(self.lattice.is_bar(node) for one, other, _ in lines for node in (one, other))
         length = sum(lengths[one, other] for one, other, _ in lines)
         wrong = sum(course.extra for course in self.courses.values())
-        return length + wrong + _BEND * bends + _BAR * ends + _CROSSING * count_crossings(self.courses.values())
+        return length + wrong + _BEND * bends + _BAR * ends + _CROSSING * self.crossings
 
     def _crossed(self, wire: Wire) -> list[Wire]:
         mine = set(self.courses[wire].nodes)
@@ -170,14 +194,8 @@ class Router:
 
     def _search(self, starts: Mapping[int, float], goals: Mapping[int, float]) -> list[int]:
         """Return the cheapest path from a start to a goal. Values are the costs of starts and goals."""
-        steps, passed, lines, positions = self.lattice.steps, self._passed, self._lines, self.lattice.positions
-        left, top, right, bottom = _bounds([positions[goal] for goal in goals])
-
-        def remaining(node: int) -> float:
-            """Return a lower bound of the distance to a goal (A* search)."""
-            x, y = positions[node]
-            return max(left - x, 0.0, x - right) + max(top - y, 0.0, y - bottom)
-
+        ahead, passed, lines = self.lattice.ahead, self._passed, self._lines
+        remaining = self._bounds_to(goals)
         best = {(node, direction): cost for node, cost in starts.items() for direction in (HORIZONTAL, VERTICAL)}
         before: dict[tuple[int, int], tuple[int, int]] = {}
         heap = [(cost + remaining(state[0]), cost, *state) for state, cost in best.items()]
@@ -192,16 +210,30 @@ class Router:
                 cost += goals[node]
                 heapq.heappush(heap, (cost, cost, -node - 1, direction))
                 continue
-            for other, turned, length in steps[node]:
-                state = passed.get(other)
-                if (node, other) in lines or state in (TAKEN, turned) or (turned != direction and node in passed):
-                    continue
-                new = cost + length + _BEND * (turned != direction) + _CROSSING * (state is not None)
-                if new < best.get((other, turned), _FAR):
-                    best[other, turned] = new
-                    before[other, turned] = (node, direction)
-                    heapq.heappush(heap, (new + remaining(other), new, other, turned))
+            # A wire cannot bend where it crosses another wire.
+            for turned in (direction,) if node in passed else (direction, 1 - direction):
+                for other, length in ahead[node, turned]:
+                    state = passed.get(other)
+                    if state in (TAKEN, turned) or (node, other) in lines:
+                        continue
+                    new = cost + length + _BEND * (turned != direction) + _CROSSING * (state is not None)
+                    if new < best.get((other, turned), _FAR):
+                        best[other, turned] = new
+                        before[other, turned] = (node, direction)
+                        heapq.heappush(heap, (new + remaining(other), new, other, turned))
         raise NoCourse
+
+    def _bounds_to(self, goals: Collection[int]) -> Callable[[int], float]:
+        """Return the function that gives a lower bound of the distance from a node to the nearest goal (A* search)."""
+        positions = self.lattice.positions
+        left, top, right, bottom = _bounds([positions[goal] for goal in goals])
+
+        @cache
+        def remaining(node: int) -> float:
+            x, y = positions[node]
+            return max(left - x, 0.0, x - right) + max(top - y, 0.0, y - bottom)
+
+        return remaining
 
 
 def _bounds(positions: Collection[tuple[float, float]]) -> tuple[float, float, float, float]:

@@ -9,7 +9,7 @@ from hybrid_tamp.report.drawing.diagram import Box, Diagram
 
 GRID = 7.0
 """Distance between two neighbouring wires [pt]."""
-TITLE_SIZE, SLOT_SIZE = 10.0, 9.0
+TITLE_SIZE, SLOT_SIZE = 11.0, 10.5
 """Font sizes of the titles of blocks and of the names of slots [pt]."""
 _FEWEST_PINS = 3
 """Minimum number of wires that can end at one side of a slot. The name of the slot needs this height."""
