@@ -170,7 +170,7 @@ ON_SIDE = competence(
     scale=0.1,
     # The side on which the hand starts does not change, so `reads` omits the positions and the axis of the hand.
     reads={"object": ("orientation",)},
-    description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
+    description="in posture {posture}, {hand} can reach the {face} face of {object} from the side on which it starts",
     denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
 """Each hand that cannot turn stays on its side of a box, because hands that change sides could collide."""
