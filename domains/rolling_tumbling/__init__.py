@@ -1,8 +1,8 @@
 """Rolling and tumbling (paper, Sec. III-A, Figs. 2 and 3): hands move heavy objects in a controlled manner.
 
 Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `resistance`, `rolling` (D1).
-Modules of tumbling, in reading order: `faces`, `turning_hands`, `tumbling_geometry`, `standing`,
-`tumbling_predicates`, `sliding`, `control_predicates`, `turning`, `tipping` (D2 to D4), `curves`, `detours`,
+Modules of tumbling, in reading order: `faces`, `turning_hands`, `tumbling_geometry`, `standing`, `sliding`, `edges`,
+`tumbling_predicates`, `control_predicates`, `turning`, `tipping` (D2 to D4), `curves`, `detours`,
 `reaching_around` (D5).
 `hybrid_tamp.skills` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling`
 test whether new objects can be rolled and tumbled.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import FloatArray, Parameter, Predicate, State, Token
 from hybrid_tamp.skills import (
     POSE,
     StaticEndEffector,
@@ -15,10 +15,9 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Tumblable
+from .edges import friction_left, room
 from .metrics import CONTROLLED
-from .sliding import friction_needed, leaning_friction
-from .tumbling_geometry import GRIP, room_below, sections
-from .tumbling_predicates import LOW_ENOUGH, STRONG_ENOUGH, WITHIN_REACH, strength_needed
+from .tumbling_predicates import LOW_ENOUGH, STRONG_ENOUGH, WITHIN_REACH
 from .turning_hands import axes_of_turn
 
 _HAND = Parameter("hand", StaticEndEffector)
@@ -29,33 +28,11 @@ _FASTEST = CONTROLLED["touchdown [rad/s]"][1]
 
 
 def _grip(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the friction of a box minus the friction needed, for the axis of the turn that needs the least friction.
-
-    The box lies on its longer side or leans on a hand. If the hand is too weak even for a rough box, STRONG_ENOUGH
-    states this reason, and friction is not to blame.
-    """
-    return np.asarray(
-        thing["friction"] - min(_friction(hand, thing, axis) for axis in axes_of_turn(state, hand, thing))
-    )
-
-
-def _friction(hand: Token, thing: Token, axis: int) -> float:
-    """Return the friction that a hand needs to turn a box about a body axis."""
-    short, long = sorted(sections(thing, axis))
-    force = max(float(hand["maximal_force"]), strength_needed(thing, axis))
-    turning = friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force)
-    return float(max(turning, leaning_friction(short, long), leaning_friction(long, short)))
+    return np.asarray(max(friction_left(hand, thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
 def _size(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the room [m] for the hand below a box that leans over either of its sides, for the best axis."""
-    return np.asarray(max(_room(hand, thing, axis) for axis in axes_of_turn(state, hand, thing)))
-
-
-def _room(hand: Token, thing: Token, axis: int) -> float:
-    """Return the smaller room [m] for the hand below a box that turns about a body axis."""
-    one, other = sections(thing, axis)
-    return min(room_below(hand, one, other), room_below(hand, other, one))
+    return np.asarray(max(room(hand, thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
 def _slowness(state: State, thing: Token) -> FloatArray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
 from hybrid_tamp.skills import (
     POSE,
     StaticEndEffector,
@@ -20,9 +20,10 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Tumblable
+from .edges import ability, axis_of, lowness, strength_needed
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .standing import FLAT_TOLERANCE, SLENDERNESS, standing
-from .tumbling_geometry import GRIP, outlook, place_at, sections, sides_around, to_the_right
+from .tumbling_geometry import outlook, place_at, sections, sides_around, to_the_right
 from .turning_hands import axes_of_turn, off_axis
 
 _HAND = Parameter("hand", StaticEndEffector)
@@ -61,22 +62,6 @@ def _at_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     return np.minimum(margin, FACE_TOLERANCE * (1.0 - off_axis(state, hand, thing, face) / _ALIGNMENT))
 
 
-def strength_needed(thing: Token, axis: int) -> float:
-    """Return the smallest force [N] with which a hand can tumble the box about a body axis, without any reserve.
-
-    A box of weight W lies on a side of width w. A hand presses on a face at height h with the normal force N. Its
-    friction lifts the far end of the side with the force t N, where t is at most the friction coefficient. The moments
-    about the edge balance if N (h + t w) = W w/2. The force of the hand is N sqrt(1 + t^2), which decreases up to
-    t = w/h. The second hand can only resist. The force is largest if the box lies on its long side, with h = GRIP times
-    the short side. In this position, hands begin a tumble or end a controlled one.
-    """
-    short, long = sorted(sections(thing, axis))
-    height = GRIP * short
-    lift = min(DEFAULT_FRICTION * thing["friction"], long / height)
-    arm = (height + lift * long) / np.hypot(1.0, lift)
-    return float(thing["mass"] * GRAVITY * long / 2.0 / arm)
-
-
 def _share(state: State, hand: Token, thing: Token, factor: float) -> tuple[float, float]:
     """Return the force [N] that a hand needs to tumble an object, and the force [N] that the hand bears.
 
@@ -108,21 +93,16 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(max(lowness(thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
-def lowness(thing: Token, axis: int) -> float:
-    """Return the largest ratio of edges that hands can tumble, minus the ratio of the edges around a body axis."""
-    short, long = sorted(sections(thing, axis))
-    return float(SLENDERNESS - long / short)
-
-
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
     """Return a margin that is positive if a face points to the hand's side. A hand above the box may use both sides.
 
-    A hand that can turn moves around the box, so it may use both sides.
+    A hand that can turn moves around the box, so it may use both sides. But such a hand must be able to turn the box
+    about the edge, which no other fact about a hand with several possible edges states.
     """
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     if can_turn(hand):
-        return np.asarray(1.0 - _LEAST_OUTLOOK)
+        return np.asarray(ability(hand, thing, axis_of(face, posture)))
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
     facing = outlook(state, hand, thing, face, posture)
     return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
@@ -170,8 +150,11 @@ ON_SIDE = competence(
     scale=0.1,
     # The side on which the hand starts does not change, so `reads` omits the positions and the axis of the hand.
     reads={"object": ("orientation",)},
-    description="in posture {posture}, {hand} can reach the {face} face of {object} from the side on which it starts",
-    denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
+    description="in posture {posture}, {hand} can work at the {face} face of {object} from the side on which it starts",
+    denial=(
+        "in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts, or "
+        "{hand} is not able to turn {object} about the edge there"
+    ),
 )
 """Each hand that cannot turn stays on its side of a box, because hands that change sides could collide."""
 STRONG_ENOUGH = bears_share(

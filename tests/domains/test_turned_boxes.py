@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
+from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
 from hybrid_tamp_domains.rolling_tumbling.detours import route_to_face
 from hybrid_tamp_domains.rolling_tumbling.faces import EXPOSED_HOLD, FACE
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
@@ -10,13 +11,14 @@ from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import place_at
 from hybrid_tamp_domains.rolling_tumbling.turning_hands import off_axis, wanted_axis, wanted_orientation
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_tasks.turned import YAWS, random_turned, stiff_turned, yaw_of
+from random_tasks.turned import BOX, YAWS, random_turned, stiff_turned, yaw_of
 
 import hybrid_tamp
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_multiply, rotate, rotation_vector
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.questions.explain.no_plan import explain
@@ -84,6 +86,17 @@ def test_every_route_ends_at_the_face(
     assert len(route.corners) <= 7
     assert np.allclose(route.corners[0], state[hand, "position"])
     assert np.allclose(route.corners[-1], place_at(state, hand, box, face), atol=1e-9)
+
+
+def test_a_hand_that_can_turn_works_on_both_sides_but_only_about_edges_that_it_can_turn() -> None:
+    """The box is 1.8 times as high as it is wide from the front to the back, and hands turn at most 1.6 times."""
+    on_side, low_enough = (DOMAIN.predicate_by_name[name] for name in ("on_side", "low_enough"))
+    hand, box = TASK.tokens[0], Token.make("box 1", [Tumblable], BOX | {"half_extents": (0.15, 0.1, 0.18)})
+    able = {face: float(on_side.evaluate(TASK.state, hand, box, face, "flat bottom")) >= 0 for face in SIDES}
+    assert able == {"left": True, "right": True, "front": False, "back": False}
+    assert float(low_enough.evaluate(TASK.state, hand, box)) >= 0
+    assert float(on_side.evaluate(TASK.state, hand, box, "bottom", "over bottom right")) >= 0
+    assert float(on_side.evaluate(TASK.state, hand, box, "bottom", "over bottom front")) < 0
 
 
 def test_hands_that_cannot_turn_are_refused_beyond_six_degrees() -> None:

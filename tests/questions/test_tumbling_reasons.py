@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hybrid_tamp_domains.rolling_tumbling.edges import strength_needed
 from hybrid_tamp_domains.rolling_tumbling.sliding import friction_needed
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import GRIP
-from hybrid_tamp_domains.rolling_tumbling.tumbling_predicates import strength_needed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from texts import load_task_text
