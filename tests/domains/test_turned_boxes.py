@@ -124,6 +124,8 @@ def test_the_refusal_says_that_the_hand_cannot_turn_and_states_the_angle(seed: i
 def test_hands_tumble_a_turned_box_from_the_same_side() -> None:
     task = hybrid_tamp.load_task("tumble_turned_box")
     plan = hybrid_tamp.plan(task).required()
+    first = {each.targets["face"]: each.slots["hand"] for each in plan.instances[::-1] if "face" in each.targets}
+    assert (first["left"], first["right"]) == ("hand-2", "hand-1")  # The ways of the other choice cross.
     with open_backend("pybullet") as physics:
         recording = execute(task, plan, physics)
     assert recording.success
