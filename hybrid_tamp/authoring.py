@@ -107,5 +107,6 @@ from hybrid_tamp.motion.poses import quaternion_from_rpy as quaternion_from_rpy
 from hybrid_tamp.motion.poses import quaternion_multiply as quaternion_multiply
 from hybrid_tamp.motion.poses import quaternion_of_rotation as quaternion_of_rotation
 from hybrid_tamp.motion.poses import rotate as rotate
+from hybrid_tamp.motion.poses import rotation_vector as rotation_vector
 from hybrid_tamp.motion.profile import Profile as Profile
 from hybrid_tamp.motion.turned_angle import angle_about as angle_about

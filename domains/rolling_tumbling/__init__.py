@@ -1,14 +1,15 @@
 """Rolling and tumbling (paper, Sec. III-A, Figs. 2 and 3): hands move heavy objects in a controlled manner.
 
 Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `resistance`, `rolling` (D1).
-Modules of tumbling, in reading order: `faces`, `tumbling_geometry`, `standing`, `tumbling_predicates`, `sliding`,
-`control_predicates`, `turning`, `tipping` (D2 to D4), `detours`, `reaching_around` (D5).
+Modules of tumbling, in reading order: `faces`, `turning_hands`, `tumbling_geometry`, `standing`, `sliding`, `edges`,
+`tumbling_predicates`, `control_predicates`, `turning`, `tipping` (D2 to D4), `curves`, `detours`,
+`reaching_around` (D5).
 `hybrid_tamp.skills` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling`
 test whether new objects can be rolled and tumbled.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
-from hybrid_tamp.skills import RESTING, find_classes, find_predicates
+from hybrid_tamp.skills import RESTING, TurningEndEffector, find_classes, find_predicates
 
 from .metrics import CONTROLLED, metrics
 from .probing_rolling import TRY_ROLLING
@@ -57,7 +58,7 @@ _EDGES = (
 
 DOMAIN = Domain(
     name="rolling_tumbling",
-    classes=find_classes(_BLOCKS),
+    classes=(*find_classes(_BLOCKS), TurningEndEffector),
     predicates=find_predicates(_BLOCKS),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_EDGES, [block.name for block in _BLOCKS]),

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import GRAVITY, FloatArray, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import FloatArray, Parameter, Predicate, State, Token
 from hybrid_tamp.skills import (
+    POSE,
     StaticEndEffector,
     competence,
     heavy_enough,
@@ -14,10 +15,10 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Tumblable
+from .edges import friction_left, room
 from .metrics import CONTROLLED
-from .sliding import friction_needed, leaning_friction
-from .tumbling_geometry import GRIP, room_below, sections
-from .tumbling_predicates import LOW_ENOUGH, STRONG_ENOUGH, WITHIN_REACH, strength_needed
+from .tumbling_predicates import LOW_ENOUGH, STRONG_ENOUGH, WITHIN_REACH
+from .turning_hands import axes_of_turn
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
@@ -27,21 +28,11 @@ _FASTEST = CONTROLLED["touchdown [rad/s]"][1]
 
 
 def _grip(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the friction of a box minus the friction needed, if the box lies on its longer side or leans on a hand.
-
-    If the hand is too weak even for a rough box, STRONG_ENOUGH states this reason, and friction is not to blame.
-    """
-    short, long = sorted(sections(state, hand, thing))
-    force = max(float(hand["maximal_force"]), strength_needed(state, hand, thing))
-    turning = friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force)
-    needed = max(turning, leaning_friction(short, long), leaning_friction(long, short))
-    return np.asarray(thing["friction"] - needed)
+    return np.asarray(max(friction_left(hand, thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
 def _size(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the smaller room [m] for the hand below the box, for a box that leans over either of its sides."""
-    one, other = sections(state, hand, thing)
-    return np.asarray(min(room_below(hand, one, other), room_below(hand, other, one)))
+    return np.asarray(max(room(hand, thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
 def _slowness(state: State, thing: Token) -> FloatArray:
@@ -86,7 +77,7 @@ CLEAR_OF_FLOOR = length_predicate(
     "clear_of_floor",
     (_HAND,),
     _clearance,
-    reads={"hand": ("position",)},
+    reads={"hand": POSE},
     description="{hand} is clear of the floor",
     denial="{hand} is pressed onto the floor",
 )

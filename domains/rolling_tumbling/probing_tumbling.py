@@ -16,14 +16,15 @@ from hybrid_tamp.authoring import (
     quaternion_multiply,
     rotate,
 )
-from hybrid_tamp.skills import HORIZONTAL, NORMALS, UP, StaticEndEffector, normal, to_body, z_axis
+from hybrid_tamp.skills import HORIZONTAL, NORMALS, UP, StaticEndEffector, normal
 
 from .classes import Tumblable
 from .faces import FACE, flat
 from .metrics import CONTROLLED
 from .probing_rolling import mass_of
 from .standing import FLAT_TOLERANCE
-from .tumbling_geometry import GRIP, sides_across, to_the_right
+from .tumbling_geometry import GRIP, sides_around, to_the_right
+from .turning_hands import own_axis
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
 """Largest random offsets of the initial position [m] and of the initial yaw [rad]."""
@@ -59,7 +60,7 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 def _turning_axis(task: Task, token: Token) -> int:
     """Return the index of the body axis nearest to a hand's axis, or of the y axis if the task has no hand."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
-    return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, z_axis(task.state, hand)))))
+    return 1 if hand is None else own_axis(task.state, hand, token)
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
@@ -117,7 +118,8 @@ def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:
     if not hands:
         return "right"
     right = to_the_right(state, hands[0])
-    return max(sides_across(state, hands[0], member), key=lambda face: float(normal(state, member, face) @ right))
+    sides = sides_around(own_axis(state, hands[0], member))
+    return max(sides, key=lambda face: float(normal(state, member, face) @ right))
 
 
 TRY_TUMBLING = TrialRecipe(Tumblable, _align, _estimate, _task, CONTROLLED)

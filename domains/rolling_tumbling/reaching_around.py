@@ -1,6 +1,7 @@
 """The blocks REACHING:beside and REACHING:away (paper, D5): a hand moves around a box to a face, or away from the box.
 
-The hand's curve lies in the plane perpendicular to the hand's axis. The curve leaves the nearest face along a straight
+The hand's curve lies in the plane perpendicular to the axis of the hand at its face. A hand that can turn does so on
+the way, and is parallel to the edge of the box when it arrives. The curve leaves the nearest face along a straight
 line, passes the box on the side that is clear of the floor, and approaches the goal face along a straight line. Another
 hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
@@ -17,14 +18,20 @@ from hybrid_tamp.authoring import (
     Hyperparameters,
     Parameters,
     Policy,
+    Profile,
     State,
     Target,
+    quaternion_conjugate,
+    quaternion_from_rotation_vector,
+    quaternion_multiply,
+    rotation_vector,
 )
 from hybrid_tamp.skills import (
     HORIZONTAL,
     ReachGoal,
     Timetable,
     Transit,
+    TurnReference,
     advance,
     conditions,
     get_symbol,
@@ -34,14 +41,17 @@ from hybrid_tamp.skills import (
     position_servo,
     profile_of,
     straight_profile,
+    turn_wrists,
 )
 
 from .classes import Tumblable
 from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
-from .detours import Curve, corners_away, corners_to_face, curve_through, off_the_face
+from .curves import Curve, curve_through
+from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import above_floor, place_at
 from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
+from .turning_hands import wanted_orientation
 
 _SHORTEST = 0.8
 _ASIDE = 0.02
@@ -55,13 +65,21 @@ _SPEED = Hyperparameter("speed", "m/s", 0.1, 0.8, lambda b, s: np.asarray(0.4), 
 def _curve(binding: Binding, start: State) -> Curve:
     hand, thing = get_tokens(binding, "hand", "object")
     if "face" not in binding:
-        return curve_through(start, lambda state: corners_away(state, hand, thing))
-    return curve_through(start, lambda state: corners_to_face(state, hand, thing, get_symbol(binding, "face")))
+        return curve_through(start, lambda state: route_away(state, hand, thing))
+    return curve_through(start, lambda state: route_to_face(state, hand, thing, get_symbol(binding, "face")))
 
 
 def _end(binding: Binding, state: State) -> FloatArray:
     """Return the position ``(..., 3)`` [m] of the hand at the end of the curve."""
     return _curve(binding, state).points[..., -1, :]
+
+
+def _orientation(binding: Binding, state: State) -> FloatArray:
+    """Return the orientation ``(..., 4)`` of the hand at the end of the reach."""
+    hand, thing = get_tokens(binding, "hand", "object")
+    if "face" not in binding:
+        return state[hand, "orientation"]
+    return wanted_orientation(state, hand, thing, get_symbol(binding, "face"))
 
 
 def _place(binding: Binding, state: State) -> FloatArray:
@@ -112,13 +130,27 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
         velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
         return {(hand.name, "force"): servo(state, clear, velocity)}
 
-    return policy
+    return turn_wrists(policy, {hand: _turn(binding, start, curve, duration, profile)})
+
+
+def _turn(binding: Binding, start: State, curve: Curve, duration: FloatArray, profile: Profile) -> TurnReference:
+    """Return the reference of a hand that turns on its way from its initial orientation to its final orientation."""
+    begun = start[get_token(binding, "hand"), "orientation"].copy()
+    whole = rotation_vector(quaternion_multiply(_orientation(binding, start), quaternion_conjugate(begun)))
+
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        share, rate = curve.turned(elapsed, duration, profile)
+        turned = quaternion_from_rotation_vector(whole * share[..., None])
+        return quaternion_multiply(turned, begun), whole * rate[..., None]
+
+    return reference
 
 
 REACH_BESIDE = make_reaching(
     ReachGoal(
         targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
         position=_end,
+        orientation=_orientation,
         entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH)),
         arrived=conditions((AT_FACE,)),
         lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
@@ -132,6 +164,7 @@ REACH_AWAY = make_reaching(
         # The reach uses only the initial position of the box, so the box may move during the reach.
         targets=(Target("object", Tumblable, reads=()),),
         position=_end,
+        orientation=_orientation,
         entry=(WITHIN_REACH("hand", "object"),),
         arrived=(),
         lasting=(CLEAR_OF_FLOOR("hand"),),

@@ -5,10 +5,11 @@ from collections.abc import Iterable
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, State, Token, cross, without_rounding
-from hybrid_tamp.skills import NORMALS, UP, StaticEndEffector, dot, normal, to_body, z_axis
+from hybrid_tamp.skills import NORMALS, UP, StaticEndEffector, can_turn, dot, normal, to_body, z_axis
 
 from .faces import FACE, POSTURES, faces_of, flat
 from .tumbling_geometry import lowest_point, nominal_tilt, tilt
+from .turning_hands import axes_of_turn
 
 SLENDERNESS = 1.6
 """Largest ratio of a box's edge lengths. Tumbling has been tested up to this ratio."""
@@ -88,14 +89,13 @@ def _proportions(thing: Token, state: State, tokens: Iterable[Token], down: str)
     extents = 2.0 * np.asarray(thing["half_extents"])
     upright = int(np.argmax(np.abs(NORMALS[down])))
     hands = (token for token in tokens if token.is_member(StaticEndEffector))
-    edges = {edge for hand in hands if (edge := _edge_along(thing, state, hand)) is not None} - {upright}
+    edges = {edge for hand in hands for edge in _edges_along(thing, state, hand)} - {upright}
     bases = [float(extents[3 - upright - edge]) for edge in edges]
     return float(extents[upright]), float(max(bases, default=np.delete(extents, upright).max()))
 
 
-def _edge_along(thing: Token, state: State, hand: Token) -> int | None:
-    """Return the index of the box's body axis that is nearest to the hand's axis, or None if the hand is not level."""
-    axis = z_axis(state, hand)
-    if abs(float(axis[2])) > _LEVEL:
-        return None
-    return int(np.argmax(np.abs(to_body(state, thing, axis))))
+def _edges_along(thing: Token, state: State, hand: Token) -> tuple[int, ...]:
+    """Return the indices of the box's body axes about which a hand can turn it. A hand that stays upright has none."""
+    if not can_turn(hand) and abs(float(z_axis(state, hand)[2])) > _LEVEL:
+        return ()
+    return axes_of_turn(state, hand, thing)

@@ -33,8 +33,8 @@ from hybrid_tamp.authoring import (
 )
 from hybrid_tamp.skills import (
     AT_REST,
+    BODY,
     IN_WORKSPACE,
-    MOTION,
     UP,
     Pressure,
     StaticEndEffector,
@@ -58,7 +58,7 @@ from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .tumbling_geometry import edge_axis, edge_position
 from .tumbling_predicates import AT_FACE, HOLDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
-from .turning import CLOSING, after_turning, make_turning
+from .turning import CLOSING, after_turning, keep_parallel, make_turning
 from .turning_model import turning_system
 
 _LEAN_SQUEEZE = 25.0
@@ -104,7 +104,7 @@ def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
         push = -outward * (np.maximum(moment, 0.0) / np.maximum(np.abs(arm), 1e-3))[..., None]
         return Pressure(still, still, still, pivot=np.zeros(3), bearing=push)
 
-    return press([(hand, face)], thing, start, [still], still, plan)
+    return keep_parallel(press([(hand, face)], thing, start, [still], still, plan), [(hand, face)], thing, start)
 
 
 def _tipping(
@@ -119,6 +119,7 @@ def _tipping(
         entry=(*conditions((relation, POSTURE), posture="before"), *_AT_FACES, *_ABLE),
         exit=(POSTURE("object", "outcome"), *_AT_FACES),
         always=(IN_WORKSPACE, CLEAR_OF_FLOOR),
+        moved=BODY,
         invariants=(TURNS_SLOWLY("object"),),
         # Boxes do not roll, so the facts of rolling do not change.
         keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),
@@ -167,7 +168,7 @@ TILTING = Block(
     entry=conditions((HOLDS, POSTURE, AT_FACE, STRONG_ENOUGH)),
     exit=(*conditions((AT_FACE,)), AT_REST("hand")),
     invariants=conditions((IN_WORKSPACE, CLEAR_OF_FLOOR, POSTURE, TURNS_SLOWLY)),
-    writes={"hand": MOTION},
+    writes={"hand": BODY},
     allowed_contacts=(("hand", "object"), ("object", FLOOR)),
     duration=Duration(0.1, 60.0),
     hold=True,

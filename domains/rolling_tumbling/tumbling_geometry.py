@@ -16,12 +16,12 @@ from hybrid_tamp.skills import (
     normal,
     normals,
     point,
-    to_body,
     z_axis,
 )
 
 from .faces import faces_of
 from .geometry import FLOOR_CLEARANCE
+from .turning_hands import own_axis, parallelism
 
 GRIP = 0.72
 """Height of a hand's contact point above the lower edge of its face, as a fraction of the face's height.
@@ -72,10 +72,10 @@ def edge_axis(state: State, thing: Token, down: str, forward: str) -> FloatArray
 def side_below(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
     """Return the outward normal ``(..., 3)``, in the body frame, of the lower of a face's two neighbours.
 
-    The neighbours are the adjacent faces whose normals are perpendicular to the hand's axis. The height of a hand on
-    `face` is measured from the edge between `face` and its lower neighbour.
+    The neighbours are the adjacent faces whose normals are perpendicular to the axis of a hand at `face`. The height of
+    a hand on `face` is measured from the edge between `face` and its lower neighbour.
     """
-    along = np.abs(to_body(state, thing, z_axis(state, hand))) + 2.0 * np.abs(NORMALS[face])
+    along = parallelism(state, hand, thing) + 2.0 * np.abs(NORMALS[face])
     across = _AXES[np.argmin(along, axis=-1)]
     height = rotate(state[thing, "orientation"], across)[..., 2]
     return np.asarray(across * np.where(height > 0, -1.0, 1.0)[..., None])
@@ -133,17 +133,14 @@ def lowest_point(state: State, thing: Token) -> FloatArray:
     return np.asarray(state[thing, "position"][..., 2] - heights @ halves)
 
 
-def sides_across(state: State, hand: Token, thing: Token) -> tuple[str, ...]:
-    """Return the four faces of a box whose normals are perpendicular to the hand's axis, for a single state."""
-    along = np.abs(to_body(state, thing, z_axis(state, hand)))
-    own = int(np.argmax(along))
-    return tuple(face for face in NORMALS if not NORMALS[face][own])
+def sides_around(axis: int) -> tuple[str, ...]:
+    """Return the four faces of a box that are parallel to a body axis, given by its index."""
+    return tuple(face for face in NORMALS if not NORMALS[face][axis])
 
 
-def sections(state: State, hand: Token, thing: Token) -> tuple[float, float]:
-    """Return the lengths [m] of the two edges of the box that are perpendicular to the hand's axis."""
-    across = {int(np.argmax(np.abs(NORMALS[face]))) for face in sides_across(state, hand, thing)}
-    one, other = (2.0 * thing["half_extents"][axis] for axis in sorted(across))
+def sections(thing: Token, axis: int) -> tuple[float, float]:
+    """Return the lengths [m] of the two edges of the box that are perpendicular to a body axis."""
+    one, other = (2.0 * extent for index, extent in enumerate(thing["half_extents"]) if index != axis)
     return one, other
 
 
@@ -154,7 +151,7 @@ def outlook(state: State, hand: Token, thing: Token, face: str, posture: str) ->
     determine the normal. The hand's right is the cross product of its axis and the upward direction. If the hand's
     axis crosses the face, the result is 0.
     """
-    if not {face, *faces_of(posture)} <= set(sides_across(state, hand, thing)):
+    if not {face, *faces_of(posture)} <= set(sides_around(own_axis(state, hand, thing))):
         return 0.0
     down, *others = faces_of(posture)
     turned = -np.pi / 2 - _angle(state, hand, thing, down)

@@ -2,14 +2,17 @@
 
 import numpy as np
 
-from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, FloatArray, Kind, Parameter, Predicate, State, Token
+from hybrid_tamp.authoring import FloatArray, Kind, Parameter, Predicate, State, Token
 from hybrid_tamp.skills import (
     POSE,
     StaticEndEffector,
-    at_place,
     bears_share,
+    can_turn,
     competence,
+    depth_in_workspace,
     dot,
+    length_predicate,
+    near,
     normal,
     one_by_one,
     within_reach,
@@ -17,9 +20,11 @@ from hybrid_tamp.skills import (
 )
 
 from .classes import Tumblable
+from .edges import ability, axis_of, lowness, strength_needed
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .standing import FLAT_TOLERANCE, SLENDERNESS, standing
-from .tumbling_geometry import GRIP, outlook, place_at, sections, sides_across, to_the_right
+from .tumbling_geometry import outlook, place_at, sections, sides_around, to_the_right
+from .turning_hands import axes_of_turn, off_axis
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
@@ -27,34 +32,34 @@ _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
 FACE_TOLERANCE = 0.06
 """Largest distance at which a hand counts as at its place at a face [m]."""
+_near_face = near(FACE_TOLERANCE, place_at)
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _LYING = np.cos(np.radians(18.0))
 """Vertical component of the normal above which a face is a top or bottom face, which no hand touches."""
-_ALIGNMENT = np.sin(np.radians(6.0))
+_ALIGNMENT = float(np.radians(6.0))
+"""Largest angle by which the axis of a hand may deviate from level and from parallel to its face [rad]."""
 _RESERVE = 1.6
 
 
-def _alignment(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return a margin that is positive if the hand's axis is level and parallel to a face."""
-    along = z_axis(state, hand)
-    return np.asarray(_ALIGNMENT - np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2])))
+def _deviation(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """Return the angle ``(...)`` [rad] by which the axis of a hand stays off level or off parallel to a face.
 
-
-def strength_needed(state: State, hand: Token, thing: Token) -> float:
-    """Return the smallest force [N] with which a hand can tumble the box about the hand's axis, without any reserve.
-
-    A box of weight W lies on a side of width w. A hand presses on a face at height h with the normal force N. Its
-    friction lifts the far end of the side with the force t N, where t is at most the friction coefficient. The moments
-    about the edge balance if N (h + t w) = W w/2. The force of the hand is N sqrt(1 + t^2), which decreases up to
-    t = w/h. The second hand can only resist. The force is largest if the box lies on its long side, with h = GRIP times
-    the short side. In this position, hands begin a tumble or end a controlled one.
+    The angle is zero for a hand that can turn, because such a hand turns during its reach.
     """
-    short, long = sorted(sections(state, hand, thing))
-    height = GRIP * short
-    lift = min(DEFAULT_FRICTION * thing["friction"], long / height)
-    arm = (height + lift * long) / np.hypot(1.0, lift)
-    return float(thing["mass"] * GRAVITY * long / 2.0 / arm)
+    if can_turn(hand):
+        return np.zeros(state.values.shape[:-1])
+    along = z_axis(state, hand)
+    sine = np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2]))
+    return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
+
+
+def _at_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """Return a margin [m] that is positive if a hand is at its place and, if the hand can turn, lies along the edge."""
+    margin = _near_face(state, hand, thing, face)
+    if not can_turn(hand):
+        return margin
+    return np.minimum(margin, FACE_TOLERANCE * (1.0 - off_axis(state, hand, thing, face) / _ALIGNMENT))
 
 
 def _share(state: State, hand: Token, thing: Token, factor: float) -> tuple[float, float]:
@@ -63,29 +68,41 @@ def _share(state: State, hand: Token, thing: Token, factor: float) -> tuple[floa
     Both hands need the same force, because neither hand can push harder than the other hand can resist. While one hand
     changes faces, the other hand holds the box alone.
     """
-    return strength_needed(state, hand, thing), float(hand["maximal_force"] / factor)
+    needed = min(strength_needed(thing, axis) for axis in axes_of_turn(state, hand, thing))
+    return needed, float(hand["maximal_force"] / factor)
 
 
 def _places(state: State, hand: Token, thing: Token) -> list[FloatArray]:
-    """Return the places [m] of a hand beside the box and above the box."""
+    """Return the places [m] of a hand beside the box and above the box, for the axis that needs the least workspace."""
+    choices = [_places_around(state, hand, thing, axis) for axis in axes_of_turn(state, hand, thing)]
+    return max(choices, key=lambda places: min((float(depth_in_workspace(hand, each)) for each in places), default=-1))
+
+
+def _places_around(state: State, hand: Token, thing: Token, axis: int) -> list[FloatArray]:
+    """Return the places [m] of a hand that turns the box about a body axis."""
     beside = [
         place_at(state, hand, thing, face)
-        for face in sides_across(state, hand, thing)
+        for face in sides_around(axis)
         if abs(float(normal(state, thing, face)[2])) < _LYING
     ]
-    diagonal = float(np.hypot(*sections(state, hand, thing)))
+    diagonal = float(np.hypot(*sections(thing, axis)))
     return [*beside, *(np.array([*place[:2], diagonal + hand["radius"]]) for place in beside)]
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
-    short, long = sorted(sections(state, hand, thing))
-    return np.asarray(SLENDERNESS - long / short)
+    return np.asarray(max(lowness(thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
 def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """Return a margin that is positive if a face points to the hand's side. A hand above the box may use both sides."""
+    """Return a margin that is positive if a face points to the hand's side. A hand above the box may use both sides.
+
+    A hand that can turn moves around the box, so it may use both sides. But such a hand must be able to turn the box
+    about the edge, which no other fact about a hand with several possible edges states.
+    """
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
+    if can_turn(hand):
+        return np.asarray(ability(hand, thing, axis_of(face, posture)))
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
     facing = outlook(state, hand, thing, face, posture)
     return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
@@ -104,22 +121,25 @@ POSTURE = Predicate(
     description="{object} is in posture {posture}",
     denial="{object} is not in posture {posture}",
 )
-AT_FACE = at_place(
+AT_FACE = length_predicate(
     "at_face",
     (_HAND, _OBJECT, _FACE),
-    FACE_TOLERANCE,
-    place_at,
+    _at_face,
+    reads={"hand": POSE, "object": POSE},
+    kind=Kind.MAINTAINED,
     description="{hand} is at the {face} face of {object}",
     denial="{hand} is not at the {face} face of {object}",
 )
 ALIGNED = competence(
     "aligned",
     (_HAND, _OBJECT, _FACE),
-    _alignment,
-    unit="1",
+    lambda state, *values: _ALIGNMENT - _deviation(state, *values),
+    unit="rad",
     scale=0.05,
-    reads={"hand": ("orientation",), "object": ("orientation",)},
-    description="the axis of {hand} is level and parallel to the {face} face of {object}",
+    distance=_deviation,
+    # A hand that cannot turn keeps its axis, and for another hand the margin does not depend on the axis.
+    reads={"object": ("orientation",)},
+    description="{hand} can be level and parallel to the {face} face of {object}",
     denial="{hand} cannot turn, and its axis is not level or not parallel to the {face} face of {object}",
 )
 ON_SIDE = competence(
@@ -128,12 +148,15 @@ ON_SIDE = competence(
     one_by_one(_outlook),
     unit="1",
     scale=0.1,
-    # The side on which the hand starts does not change, so `reads` omits the positions.
-    reads={"hand": ("orientation",), "object": ("orientation",)},
-    description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
-    denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
+    # The side on which the hand starts does not change, so `reads` omits the positions and the axis of the hand.
+    reads={"object": ("orientation",)},
+    description="in posture {posture}, {hand} can work at the {face} face of {object} from the side on which it starts",
+    denial=(
+        "in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts, or "
+        "{hand} is not able to turn {object} about the edge there"
+    ),
 )
-"""Each hand stays on its side of a box, because two hands that changed sides could collide above the box."""
+"""Each hand that cannot turn stays on its side of a box, because hands that change sides could collide."""
 STRONG_ENOUGH = bears_share(
     "strong_enough",
     (_HAND, _OBJECT),

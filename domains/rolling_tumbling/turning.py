@@ -5,6 +5,7 @@ hands press on their faces (see `hybrid_tamp.skills.press`). The hands squeeze b
 flat on a face, the hands loosen their grip before the end.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,13 +32,16 @@ from hybrid_tamp.skills import (
     gaps_to_faces,
     get_symbol,
     get_tokens,
+    keep_orientation,
     normal,
     press,
     straight_profile,
+    turn_wrists,
 )
 
 from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, nominal_tilt, tilt
+from .turning_hands import wanted_orientation
 
 CLOSING = 0.35
 """Time in which the hands close on the box and build up the squeeze [s]."""
@@ -111,7 +115,21 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
         loose = np.zeros_like(phase) if tipped else _loose(phase, wanted - angle)
         return Pressure(closed, closing, closed * (1.0 - loose), pivot, turned=turned, spin=spin, loose=loose)
 
-    return press(roles.contacts, thing, start, gaps_to_faces(roles.contacts, thing, start), squeeze, plan, pivot)
+    gaps = gaps_to_faces(roles.contacts, thing, start)
+    return keep_parallel(press(roles.contacts, thing, start, gaps, squeeze, plan, pivot), roles.contacts, thing, start)
+
+
+def keep_parallel(policy: Policy, contacts: Sequence[tuple[Token, str]], thing: Token, start: State) -> Policy:
+    """Return a policy that also keeps hands parallel to the edge about which the box turns. This edge does not move.
+
+    Args:
+        policy: policy that moves the hands.
+        contacts: pairs of (hand, face). Hands that cannot turn are ignored.
+        thing: the box.
+        start: state at the beginning of the movement.
+    """
+    wanted = {hand: keep_orientation(wanted_orientation(start, hand, thing, face)) for hand, face in contacts}
+    return turn_wrists(policy, wanted)
 
 
 def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
@@ -141,4 +159,5 @@ def after_turning(binding: Binding, state: State) -> State:
     for hand, face in roles.contacts:
         gap = gap_to_face(state, hand, thing, face)[..., None] * normal(state, thing, face)
         changes[hand.name, "position"] = pivot + rotate(turn, state[hand, "position"] - gap - pivot)
+        changes[hand.name, "orientation"] = wanted_orientation(state, hand, thing, face)
     return state.replace(changes)

@@ -14,7 +14,7 @@ from hybrid_tamp.authoring import (
     quaternion_from_axis_angle,
     rotate,
 )
-from hybrid_tamp.skills import NORMALS, contact_distance, dot, force_on, half_extent, meet_face
+from hybrid_tamp.skills import NORMALS, contact_distance, dot, force_on, half_extent, meet_face, turn_hand
 
 from .turning import Roles
 
@@ -56,6 +56,7 @@ def turning_system(binding: Binding, start: State) -> ContinuousSystem:
             velocity = np.where(touching[..., None], (carried[..., index, :] - levers[index]) / dt, free[index])
             changes[hand.name, "velocity"] = velocity
             changes[hand.name, "position"] = state[hand, "position"] + velocity * dt
+            changes |= turn_hand(hand, state, commands, dt)
         changes[thing.name, "orientation"] = integrate(state[thing, "orientation"], spin, dt)
         changes[thing.name, "position"] = pivot + carried[..., -1, :]
         changes[thing.name, "angular_velocity"] = spin * still

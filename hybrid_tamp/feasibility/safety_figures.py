@@ -4,6 +4,7 @@ The messages state each figure with and without the safety factor.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from math import degrees
 
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.facts import margins
@@ -14,7 +15,9 @@ from hybrid_tamp.model.task import Task
 
 
 def with_unit(number: float, unit: str) -> str:
-    """Return a number with its unit as text."""
+    """Return a number with its unit as text. Angles are in degrees."""
+    if unit == "rad":
+        return f"{degrees(number):.3g} degrees"
     return f"{number:.4g}" if unit == "1" else f"{number:.4g} {unit}"
 
 
@@ -47,10 +50,17 @@ def find_blocked(task: Task) -> list[Atom]:
 def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ...], margin: float) -> str:
     """Return a text with the amount by which a fact fails, with and without the safety factor of the predicate.
 
-    The text also says whether the fact is a limit of the blocks.
+    If the predicate has a distance, the text states the distance and its limit instead of the amount. The text also
+    says whether the fact is a limit of the blocks.
     """
     limit = "; a limit of the available actions, not of physics" if predicate.competence else ""
     off = f"off by {with_unit(abs(margin), predicate.unit)}"
+    if predicate.distance is not None:
+        roles = {each.name: value for each, value in zip(predicate.parameters, values, strict=True)}
+        with authored(f"the distance of {predicate.name}", roles):
+            distance = float(predicate.distance(task.state, *values))
+        most = with_unit(distance + margin, predicate.unit)
+        off = f"{with_unit(distance, predicate.unit)}, but at most {most} are possible"
     if predicate.safety is None or predicate.safety.factor == 1.0:
         return off + limit
     bound = float(with_factor(predicate, 1.0).evaluate(task.state, *values))

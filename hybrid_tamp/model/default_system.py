@@ -58,8 +58,9 @@ def make_default_system(block: Described, binding: Binding, start: State) -> Con
     things = {slot: token for slot, token in written.items() if slot not in hands}
     handles = [token for token in binding.values() if isinstance(token, Token) and can_be_gripped(token)]
     changing = {(token.name, name) for slot, token in written.items() for name in block.writes[slot]}
-    if changing == {(hand.name, name) for hand in hands.values() for name in ("position", "velocity")}:
-        return _drive_alone(list(hands.values()))
+    moving = {(hand.name, name) for hand in hands.values() for name in ("position", "velocity")}
+    if not things and moving <= changing and all(name != APERTURE for _, name in changing):
+        return _drive_alone(list(hands.values()), changing)
 
     def system(state: State, commands: Commands, dt: float) -> State:
         step = _Step(state, commands, dt, changing)
@@ -76,9 +77,10 @@ def make_default_system(block: Described, binding: Binding, start: State) -> Con
     return system
 
 
-def _drive_alone(hands: list[Token]) -> ContinuousSystem:
-    """Return the system of hands that neither turn nor touch anything (semi-implicit Euler)."""
+def _drive_alone(hands: list[Token], changing: Collection[tuple[str, str]]) -> ContinuousSystem:
+    """Return the system of hands that touch nothing (semi-implicit Euler)."""
     masses = [_mass(hand) for hand in hands]
+    wrists = [hand for hand in hands if (hand.name, "orientation") in changing and _has_wrist(hand)]
 
     def system(state: State, commands: Commands, dt: float) -> State:
         changes: dict[tuple[str, str], FloatArray] = {}
@@ -88,6 +90,12 @@ def _drive_alone(hands: list[Token]) -> ContinuousSystem:
                 velocity = velocity + force / mass * dt
             changes[hand.name, "velocity"] = velocity
             changes[hand.name, "position"] = state[hand, "position"] + velocity * dt
+        for hand in wrists:
+            spin = state[hand, "angular_velocity"]
+            if (torque := commands.get((hand.name, _TORQUE))) is not None:
+                spin = spin + torque / _wrist_inertia(hand) * dt
+            changes[hand.name, "angular_velocity"] = spin
+            changes[hand.name, "orientation"] = integrate(state[hand, "orientation"], spin, dt)
         return state.replace(changes)
 
     return system
@@ -118,7 +126,7 @@ class _Step:
         """Move a hand with its load. `things` are the tokens that it may hold, and whether the block declares this."""
         state, dt = self.state, self.dt
         force, torque = self._command(hand, _FORCE), self._command(hand, _TORQUE)
-        mass, inertia = np.asarray(_mass(hand)), np.asarray(hand.properties.get("wrist_inertia", 1.0))
+        mass, inertia = np.asarray(_mass(hand)), np.asarray(_wrist_inertia(hand))
         for thing, declared in things:
             holds = np.ones(force.shape[:-1], dtype=bool) if declared else self._grips(hand, thing)
             self.held.setdefault(thing.name, []).append((hand, holds))
@@ -128,7 +136,7 @@ class _Step:
             force, torque = force + weight, torque + cross(arm, weight)
             inertia = inertia + (holds * _mass(thing) * np.vecdot(arm, arm))[..., None]
         self.after[hand.name, "velocity"] = state[hand, "velocity"] + force / mass * dt
-        if (hand.name, "orientation") in self.changing and any(a.name == _TORQUE for a in hand.basic_actions):
+        if (hand.name, "orientation") in self.changing and _has_wrist(hand):
             spin = state[hand, "angular_velocity"] + torque / inertia * dt
             self.after[hand.name, "angular_velocity"] = spin
             self.after[hand.name, "orientation"] = integrate(state[hand, "orientation"], spin, dt)
@@ -215,6 +223,14 @@ class _Step:
         share = np.clip(np.vecdot(offset, along) / np.maximum(np.vecdot(along, along), 1e-12), 0.0, 1.0)
         away = offset - share[..., None] * along
         return np.asarray(np.vecdot(away, away) <= CAPTURE**2)
+
+
+def _has_wrist(hand: Token) -> bool:
+    return any(action.name == _TORQUE for action in hand.basic_actions)
+
+
+def _wrist_inertia(hand: Token) -> float:
+    return float(hand.properties.get("wrist_inertia", 1.0))
 
 
 def _mass(token: Token) -> float:

@@ -22,6 +22,8 @@ from hybrid_tamp.skills.classes import Grounded as Grounded
 from hybrid_tamp.skills.classes import Region as Region
 from hybrid_tamp.skills.classes import StaticEndEffector as StaticEndEffector
 from hybrid_tamp.skills.classes import Surface as Surface
+from hybrid_tamp.skills.classes import TurningEndEffector as TurningEndEffector
+from hybrid_tamp.skills.classes import can_turn as can_turn
 from hybrid_tamp.skills.classes import find_box_fault as find_box_fault
 from hybrid_tamp.skills.classes import friction_property as friction_property
 from hybrid_tamp.skills.classes import mass_property as mass_property
@@ -124,13 +126,17 @@ from hybrid_tamp.skills.roles import get_tokens as get_tokens
 from hybrid_tamp.skills.servos import DAMPING_RATIO as DAMPING_RATIO
 from hybrid_tamp.skills.servos import ORIENTATION_RATE as ORIENTATION_RATE
 from hybrid_tamp.skills.servos import STIFFNESS as STIFFNESS
+from hybrid_tamp.skills.servos import TurnReference as TurnReference
 from hybrid_tamp.skills.servos import damping as damping
 from hybrid_tamp.skills.servos import driven_velocity as driven_velocity
 from hybrid_tamp.skills.servos import force_on as force_on
 from hybrid_tamp.skills.servos import hand_servo as hand_servo
 from hybrid_tamp.skills.servos import hand_system as hand_system
+from hybrid_tamp.skills.servos import keep_orientation as keep_orientation
 from hybrid_tamp.skills.servos import position_servo as position_servo
 from hybrid_tamp.skills.servos import turn_between as turn_between
+from hybrid_tamp.skills.servos import turn_hand as turn_hand
+from hybrid_tamp.skills.servos import turn_wrists as turn_wrists
 from hybrid_tamp.skills.servos import turning_rate as turning_rate
 from hybrid_tamp.skills.sliding import lies_on as lies_on
 from hybrid_tamp.skills.sliding import make_sliding as make_sliding

@@ -109,6 +109,24 @@ class StaticEndEffector(CapabilityClass):
         return None if depth >= 0 else f"the hand must start within its workspace, but it is {-depth:.4g} m outside"
 
 
+class TurningEndEffector(StaticEndEffector):
+    """A hand that can push objects and turn about all axes, with a limited torque, but cannot grasp objects."""
+
+    name: ClassVar[str] = "TURNING END-EFFECTOR"
+    basic_actions: ClassVar[tuple[BasicAction, ...]] = (
+        *StaticEndEffector.basic_actions,
+        BasicAction("torque", 3, "N m", "maximal_torque", "torque of the wrist in the world frame"),
+    )
+
+    maximal_torque: float = positive("N m", "largest torque of the wrist", 1e6)
+    wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
+
+
+def can_turn(hand: Token) -> bool:
+    """Return whether a hand has a wrist, i.e. a basic action with which the hand turns."""
+    return any(action.name == "torque" for action in hand.basic_actions)
+
+
 class Grounded:
     """Mixin for a class whose members rest on the floor or on another body at the start."""
 

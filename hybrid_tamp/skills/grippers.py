@@ -10,7 +10,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.skills.classes import (
     Extents,
     Grounded,
-    StaticEndEffector,
+    TurningEndEffector,
     friction_property,
     mass_property,
     not_negative,
@@ -21,21 +21,18 @@ _OPEN = 0.08
 """Gap between open fingers [m]."""
 
 
-class Gripper(StaticEndEffector):
+class Gripper(TurningEndEffector):
     """A hand with two virtual fingers that open and close, and with a wrist that turns (paper, Sec. III-B)."""
 
     name: ClassVar[str] = "GRIPPER"
     varying: ClassVar[tuple[VaryingProperty, ...]] = (*BODY_STATE, aperture_property(_OPEN))
     basic_actions: ClassVar[tuple[BasicAction, ...]] = (
-        *StaticEndEffector.basic_actions,
-        BasicAction("torque", 3, "N m", "maximal_torque", "torque of the wrist in the world frame"),
+        *TurningEndEffector.basic_actions,
         BasicAction("grip", 1, "N", "maximal_grip", "force of each finger; positive values close the hand"),
     )
 
-    maximal_torque: float = positive("N m", "largest torque of the wrist", 1e6)
     maximal_grip: float = positive("N", "largest force of each virtual finger", 1e6)
     maximal_aperture: float = positive("m", "largest gap between the fingers", 1, default=_OPEN)
-    wrist_inertia: float = positive("kg m^2", "moment of inertia of the hand about its wrist", 1e3)
     contact_width: float = positive("m", "length of the hand's contact with a handle, along the handle", 1)
     pad_friction: float = not_negative("1", "friction coefficient of the fingers' pads", 5, default=PAD_FRICTION)
 

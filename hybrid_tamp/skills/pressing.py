@@ -170,6 +170,7 @@ def make_pressing(
     always: Sequence[Predicate] = (IN_WORKSPACE,),
     invariants: tuple[Literal, ...] = (),
     contacts: Sequence[tuple[str, str]] = (("object", FLOOR),),
+    moved: tuple[str, ...] = MOTION,
     **told: Any,
 ) -> Block:
     """Return a block in which hands press on an object and move it. The slot of the object, `object`, is the anchor.
@@ -182,6 +183,7 @@ def make_pressing(
         always: predicates that must hold for each hand as long as the block runs.
         invariants: further conditions that must hold as long as the block runs.
         contacts: pairs of roles that may touch, in addition to each hand and the object.
+        moved: varying properties of each hand that the block changes.
         **told: further arguments of `Block`.
     """
     return Block(
@@ -190,7 +192,7 @@ def make_pressing(
         anchor="object",
         exit=(*exit, AT_REST("object"), *map(AT_REST, hands)),
         invariants=(*(predicate(hand) for hand in hands for predicate in always), *invariants),
-        writes={**dict.fromkeys(hands, MOTION), "object": BODY},
+        writes={**dict.fromkeys(hands, moved), "object": BODY},
         allowed_contacts=(*((hand, "object") for hand in hands), *contacts),
         **told,
     )

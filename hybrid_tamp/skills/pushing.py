@@ -19,7 +19,7 @@ from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import cross, integrate, rotate
 from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.roles import get_token
-from hybrid_tamp.skills.servos import driven_velocity, position_servo
+from hybrid_tamp.skills.servos import driven_velocity, keep_orientation, position_servo, turn_wrists
 from hybrid_tamp.skills.steering import steer
 from hybrid_tamp.skills.vectors import UP, dot
 
@@ -120,7 +120,7 @@ class Push:
             follow = follow - dot(follow, direction)[..., None] * direction
             return {(hand.name, "force"): follow + push[..., None] * direction}
 
-        return policy
+        return turn_wrists(policy, {hand: keep_orientation(start[hand, "orientation"])})
 
     def system(self, binding: Binding, start: State) -> ContinuousSystem:
         """Make the system of a hand that pushes an object along the line. The object does not bounce."""

@@ -22,7 +22,7 @@ from hybrid_tamp.skills.classes import StaticEndEffector
 from hybrid_tamp.skills.paths import follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
 from hybrid_tamp.skills.primitives import demonstrated_reach
-from hybrid_tamp.skills.roles import MOTION, get_token
+from hybrid_tamp.skills.roles import BODY, MOTION, get_token
 from hybrid_tamp.skills.servos import hand_servo
 from hybrid_tamp.skills.timetable import Timetable
 
@@ -43,6 +43,8 @@ class ReachGoal:
         lasting: the entry conditions that must hold until the reach ends.
         arrived: conditions that must hold when the reach ends.
         hand_class: capability class that a hand needs for the reach.
+        orientation: ``orientation(binding, state)`` returns the orientation ``(..., 4)`` of the hand at the goal. None
+            if the hand does not turn.
         keeps: predicates whose truth the reach does not change, although their margins read the hand's position.
         description: description of the block in one line.
     """
@@ -53,6 +55,7 @@ class ReachGoal:
     arrived: tuple[Literal, ...]
     lasting: tuple[Literal, ...] = ()
     hand_class: type[StaticEndEffector] = StaticEndEffector
+    orientation: Callable[[Binding, State], FloatArray] | None = None
     keeps: tuple[Predicate, ...] = ()
     description: str = "the hand moves along a curve to a place beside the object and stays there"
 
@@ -133,7 +136,11 @@ def make_reaching(
         return np.asarray(np.linalg.norm(way, axis=-1))
 
     def outcome(binding: Binding, state: State) -> State:
-        return state.replace({(get_token(binding, "hand").name, "position"): goal.position(binding, state)})
+        hand = get_token(binding, "hand").name
+        changes = {(hand, "position"): goal.position(binding, state)}
+        if goal.orientation is not None:
+            changes[hand, "orientation"] = goal.orientation(binding, state)
+        return state.replace(changes)
 
     chosen, duration = time_of_reach(distance, 0.8, _SETTLING)
     follow = partial(_follow, goal, primitive)
@@ -147,7 +154,7 @@ def make_reaching(
         entry=goal.entry,
         exit=(*goal.arrived, AT_REST("hand")),
         invariants=(IN_WORKSPACE("hand"), *goal.lasting),
-        writes={"hand": MOTION},
+        writes={"hand": MOTION if goal.orientation is None else BODY},
         keeps=goal.keeps,
         hyperparameters=(chosen,),
         duration=duration,

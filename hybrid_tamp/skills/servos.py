@@ -1,16 +1,17 @@
 """Servos that control a hand's pose with its basic actions: a force and, for some hands, a torque."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import numpy as np
 
-from hybrid_tamp.model.control import Commands, ContinuousSystem
+from hybrid_tamp.model.control import Commands, ContinuousSystem, Policy
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply
+from hybrid_tamp.motion.poses import integrate, quaternion_conjugate, quaternion_multiply, rotation_vector
+from hybrid_tamp.skills.classes import can_turn
 from hybrid_tamp.skills.roles import get_token
 
 STIFFNESS = 8000.0
@@ -21,8 +22,17 @@ DAMPING_RATIO = 0.9
 ORIENTATION_RATE = 40.0
 """Natural frequency of the orientation servo [rad/s]."""
 
+WRIST_STIFFNESS = 100.0
+"""Stiffness of the wrist of a hand that presses on an object [N m/rad]. Friction twists a softer hand."""
+_FASTEST_WRIST = 150.0
+"""Largest natural frequency of a wrist's servo [rad/s]. Above 249 rad/s, the servo would be unstable at 240 Hz."""
+
 Servo = Callable[[State, FloatArray, FloatArray | float], Commands]
 """``servo(state, position, velocity)`` returns the commands that make a hand follow a reference ``(..., 3)``."""
+
+
+TurnReference = Callable[[FloatArray], tuple[FloatArray, FloatArray | float]]
+"""Maps the elapsed time ``(...)`` [s] to an orientation ``(..., 4)`` and an angular velocity ``(..., 3)`` [rad/s]."""
 
 
 class ForceServo(Protocol):
@@ -75,6 +85,45 @@ def turning_rate(state: State, token: Token, wanted: FloatArray, velocity: Float
     return np.asarray(ORIENTATION_RATE**2 * error + brake)
 
 
+def turn_wrists(policy: Policy, references: Mapping[Token, TurnReference]) -> Policy:
+    """Return a policy that also turns hands. Hands that cannot turn are ignored.
+
+    The torque ``(..., 3)`` [N m] is I (omega^2 e + 2 zeta omega (w' - w)), where e is the rotation vector to the
+    reference, w' - w is the error of the angular velocity, and I is the inertia of the wrist. The stiffness I omega^2
+    is `WRIST_STIFFNESS`, but omega has an upper limit.
+
+    Args:
+        policy: policy that moves the hands.
+        references: maps each hand to its reference.
+    """
+    wrists = [(hand, read, *_wrist_gains(hand)) for hand, read in references.items() if can_turn(hand)]
+    if not wrists:
+        return policy
+
+    def turning(elapsed: FloatArray, state: State) -> Commands:
+        commands = policy(elapsed, state)
+        for hand, read, stiffness, brake in wrists:
+            wanted, spin = read(elapsed)
+            error = rotation_vector(quaternion_multiply(wanted, quaternion_conjugate(state[hand, "orientation"])))
+            commands[hand.name, "torque"] = stiffness * error + brake * (spin - state[hand, "angular_velocity"])
+        return commands
+
+    return turning
+
+
+def keep_orientation(orientation: FloatArray) -> TurnReference:
+    """Return the reference of a hand that keeps an orientation ``(..., 4)``."""
+    kept = orientation.copy()
+    return lambda elapsed: (kept, 0.0)
+
+
+def _wrist_gains(hand: Token) -> tuple[float, float]:
+    """Return the stiffness [N m/rad] and the damping coefficient [N m s/rad] of the servo of a hand's wrist."""
+    inertia = float(hand["wrist_inertia"])
+    rate = min(float(np.sqrt(WRIST_STIFFNESS / inertia)), _FASTEST_WRIST)
+    return inertia * rate**2, inertia * 2.0 * DAMPING_RATIO * rate
+
+
 def hand_servo(hand: Token, start: State) -> Servo:
     """Return a servo for all basic actions of a hand. A hand with a wrist torque keeps its initial orientation.
 
@@ -97,15 +146,31 @@ def hand_servo(hand: Token, start: State) -> Servo:
 
 
 def hand_system(binding: Binding, start: State) -> ContinuousSystem:
-    """Return the system of a hand without contacts, as a gravity-compensated point mass (semi-implicit Euler)."""
+    """Return the system of a hand without contacts: a gravity-compensated mass that turns (semi-implicit Euler)."""
     hand = get_token(binding, "hand")
 
     def system(state: State, commands: Commands, dt: float) -> State:
         velocity = driven_velocity(hand, state, commands, dt)
         position = state[hand, "position"] + velocity * dt
-        return state.replace({(hand.name, "velocity"): velocity, (hand.name, "position"): position})
+        changes = {(hand.name, "velocity"): velocity, (hand.name, "position"): position}
+        return state.replace(changes | turn_hand(hand, state, commands, dt))
 
     return system
+
+
+def turn_hand(hand: Token, state: State, commands: Commands, dt: float) -> dict[tuple[str, str], FloatArray]:
+    """Return a hand's new orientation ``(..., 4)`` and angular velocity ``(..., 3)`` [rad/s] after a time step [s].
+
+    The result is empty for a hand without a wrist. Contacts do not turn the hand in this model.
+    """
+    if not can_turn(hand):
+        return {}
+    torque = commands.get((hand.name, "torque"))
+    spin = state[hand, "angular_velocity"]
+    if torque is not None:
+        spin = spin + torque / hand["wrist_inertia"] * dt
+    orientation = integrate(state[hand, "orientation"], spin, dt)
+    return {(hand.name, "angular_velocity"): spin, (hand.name, "orientation"): orientation}
 
 
 def force_on(hand: Token, state: State, commands: Commands) -> FloatArray:

@@ -22,7 +22,7 @@ from hybrid_tamp.symbolic.strategies.fewest import count_facts, judge_fewest, wa
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
 from hybrid_tamp.symbolic.strategies.in_turn import plan_goals_in_turn
 from hybrid_tamp.symbolic.strategies.needless import drop_needless
-from hybrid_tamp.symbolic.strategies.rebinding import rebind
+from hybrid_tamp.symbolic.strategies.rebinding import rebind, swap_tokens
 from hybrid_tamp.symbolic.strategies.search import Candidate, Planner, Search, SearchResult
 from hybrid_tamp.symbolic.whereabouts.relax import relax_task
 from hybrid_tamp.symbolic.whereabouts.situate import Excluded, Situation
@@ -201,8 +201,8 @@ def _search(search: Search) -> tuple[PlannerAnswer | None, Candidate | None]:
         best = min(filter(None, (best, _plan_apart(search))), key=lambda each: len(each.plan.actions))
     if best is not None and (answer is None or answer.fewest != "proven fewest"):
         best = drop_needless(search, best)
-    if best is not None and task.objective == "makespan":
-        best = rebind(search, best)
+    if best is not None:
+        best = rebind(search, best) if task.objective == "makespan" else swap_tokens(search, best)
     return answer, best
 
 

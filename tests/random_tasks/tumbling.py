@@ -1,5 +1,7 @@
 """Random tasks of tumbling, and a push with which one hand topples a box without control."""
 
+from typing import Any
+
 import numpy as np
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
 from hybrid_tamp_domains.rolling_tumbling.classes import Tumblable
@@ -29,6 +31,15 @@ from random_tasks.corners import Corner
 Draws = np.random.Generator | Corner
 HANDS = ((-0.5, 0.0, 0.55), (0.5, 0.0, 0.55), (-0.5, 0.0, 0.1), (0.6, 0.0, 0.8))
 """Initial positions of the hands [m]. Each hand starts on its side of the box, and outside the paths of other hands."""
+HAND: dict[str, Any] = {
+    "radius": 0.035,
+    "length": 0.16,
+    "mass": 1.5,
+    "maximal_force": 300.0,
+    "workspace_lower": (-3.0, -3.0, 0.0),
+    "workspace_upper": (3.0, 3.0, 1.5),
+}
+"""Properties of each hand."""
 _ROW = 1.0
 _PUSH_HEIGHT = 0.9
 """Height of the forced push, as a share of the box's height."""
@@ -84,15 +95,7 @@ def random_tumbling(seed: int, hands: int = 2, boxes: int = 1, onto: str = "righ
 
 
 def _hand(number: int) -> Token:
-    properties = {
-        "radius": 0.035,
-        "length": 0.16,
-        "mass": 1.5,
-        "maximal_force": 300.0,
-        "workspace_lower": (-3.0, -3.0, 0.0),
-        "workspace_upper": (3.0, 3.0, 1.5),
-    }
-    return Token.make(f"hand {number + 1}", [StaticEndEffector], properties)
+    return Token.make(f"hand {number + 1}", [StaticEndEffector], HAND)
 
 
 def forced_push(task: Task, backend: Backend, seconds: float = 12.0) -> dict[str, float]:

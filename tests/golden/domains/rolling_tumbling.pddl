@@ -39,11 +39,13 @@
 ;   static-end-effector is 'STATIC END-EFFECTOR'
 ;   token is 'TOKEN'
 ;   tumblable is 'TUMBLABLE'
+;   turning-end-effector is 'TURNING END-EFFECTOR'
 (define (domain rolling_tumbling)
   (:requirements :strips :typing)
   (:types
     token region face posture-of-a-box how-many - object
     static-end-effector - token
+    turning-end-effector - static-end-effector
   )
   (:constants
     left right front back bottom top - face

@@ -39,11 +39,13 @@
 ;   static-end-effector is 'STATIC END-EFFECTOR'
 ;   token is 'TOKEN'
 ;   tumblable is 'TUMBLABLE'
+;   turning-end-effector is 'TURNING END-EFFECTOR'
 (define (domain rolling_tumbling)
   (:requirements :strips :typing :fluents :durative-actions)
   (:types
     token region face posture-of-a-box how-many slot - object
     static-end-effector - token
+    turning-end-effector - static-end-effector
   )
   (:constants
     left right front back bottom top no-face-of-at_face - face
