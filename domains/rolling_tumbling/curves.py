@@ -12,6 +12,7 @@ from hybrid_tamp.skills import advance
 _ROUNDING = 0.05
 _SAMPLES = 8
 _LONGEST = 7
+"""Number of corners of the longest route around a box. All curves have at least as many corners."""
 _TURNING = 0.3
 """Length of curve [m] that counts for each radian of the hand's turn. The hand moves slowly while it turns."""
 
@@ -20,12 +21,20 @@ class Route(NamedTuple):
     """A route of a hand.
 
     Attributes:
-        corners: corners of the route, each ``(3,)`` [m], at most 7.
+        corners: corners of the route, each ``(3,)`` [m], at least 4.
         angle: angle [rad] by which the hand turns between the second corner and the last but one.
     """
 
     corners: list[FloatArray]
     angle: float = 0.0
+
+    def along(self, path: FloatArray) -> "Route":
+        """Return the route from start to end along the inner corners of a path ``(c, 3)`` [m]."""
+        start, end = self.corners[0], self.corners[-1]
+        inner = [*path[1:-1]]
+        while len(inner) < 2:
+            inner.append(((inner[-1] if inner else start) + end) / 2.0)
+        return Route([start, *inner, end], self.angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +86,8 @@ def curve_through(start: State, make: Callable[[State], Route]) -> Curve:
     """Return a curve with rounded corners for each state of a batch. ``make(state)`` returns the route."""
     rows = start.values.reshape(-1, start.values.shape[-1])
     routes = [make(State(start.layout, row)) for row in rows]
-    points = _rounded(np.array([_padded(route.corners) for route in routes]))
+    count = max(_LONGEST, *(len(route.corners) for route in routes))
+    points = _rounded(np.array([_padded(route.corners, count) for route in routes]))
     steps = np.linalg.norm(np.diff(points, axis=-2), axis=-1)
     paces, turning = np.ones_like(steps), np.zeros((len(rows), 2))
     for row, route in enumerate(routes):
@@ -97,9 +107,9 @@ def curve_through(start: State, make: Callable[[State], Route]) -> Curve:
     return Curve(*(a.reshape(*batch, *shape) for a, shape in zip((points, arcs, paces, turning), shapes, strict=True)))
 
 
-def _padded(corners: list[FloatArray]) -> FloatArray:
-    """Repeat the last corner of a polyline until it has as many corners as the longest polyline."""
-    return np.array(corners + [corners[-1]] * (_LONGEST - len(corners)))
+def _padded(corners: list[FloatArray], count: int) -> FloatArray:
+    """Repeat the last corner of a polyline until it has `count` corners."""
+    return np.array(corners + [corners[-1]] * (count - len(corners)))
 
 
 def _rounded(corners: FloatArray) -> FloatArray:

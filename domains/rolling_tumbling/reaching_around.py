@@ -46,7 +46,7 @@ from hybrid_tamp.skills import (
 
 from .classes import Tumblable
 from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
-from .curves import Curve, curve_through
+from .curves import Curve, Route, curve_through
 from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import above_floor, place_at
@@ -62,11 +62,18 @@ _COMING_BACK = 0.5
 _SPEED = Hyperparameter("speed", "m/s", 0.1, 0.8, lambda b, s: np.asarray(0.4), "mean speed along the curve")
 
 
-def _curve(binding: Binding, start: State) -> Curve:
+def _curve(binding: Binding, start: State, path: FloatArray | None = None) -> Curve:
+    """Return the curve around the box, or a curve with the same ends along a path ``(c, 3)`` [m]."""
     hand, thing = get_tokens(binding, "hand", "object")
-    if "face" not in binding:
-        return curve_through(start, lambda state: route_away(state, hand, thing))
-    return curve_through(start, lambda state: route_to_face(state, hand, thing, get_symbol(binding, "face")))
+
+    def make(state: State) -> Route:
+        if "face" in binding:
+            route = route_to_face(state, hand, thing, get_symbol(binding, "face"))
+        else:
+            route = route_away(state, hand, thing)
+        return route if path is None else route.along(path)
+
+    return curve_through(start, make)
 
 
 def _end(binding: Binding, state: State) -> FloatArray:
@@ -107,7 +114,7 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
     hand, profile = get_token(binding, "hand"), profile_of(primitive)
-    curve = _curve(binding, start)
+    curve = _curve(binding, start, parameters.path)
     duration = _time(curve, parameters.hyperparameters)
     planned = _place(binding, start)
     outward = off_the_face(start, hand, get_token(binding, "object"))

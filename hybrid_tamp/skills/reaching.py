@@ -66,7 +66,8 @@ class Transit:
 
     Attributes:
         follow: ``follow(primitive, binding, start, parameters)`` returns the policy. The primitive is one-dimensional
-            and generates the travelled share of the path. None stands for `straight_movement`.
+            and generates the travelled share of the path. None stands for `straight_movement`. If `Parameters.path` is
+            given, the policy follows this path.
         speed: hyperparameter of the movement.
         duration: bounds of the duration.
     """
@@ -162,7 +163,7 @@ def make_reaching(
         policy=follow,
         taught=lambda other: make_reaching(goal, mode, other, transit),
         movement=Movement("hand", "position", 3 if transit is None else 1),
-        path="hand" if transit is None else None,
+        path="hand",
         outcome=outcome,
         description=goal.description,
     )

@@ -21,6 +21,7 @@ THINGS: Sequence[Colour] = (
 )
 GOALS: Sequence[Colour] = ((0.07, 0.60, 0.33),)
 FIXED_GOALS: Sequence[Colour] = ((0.44, 0.76, 0.56),)
+BYSTANDERS: Sequence[Colour] = ((0.62, 0.60, 0.58),)
 PLACES: Sequence[Colour] = ((0.52, 0.60, 0.68), (0.66, 0.60, 0.50))
 _SHADES = (0.0, 0.32, -0.28, 0.55, -0.5)
 _MARK = 0.35
@@ -49,7 +50,8 @@ class ColouredMesh:
 def choose_colours(task: Task) -> Mapping[str, Colour]:
     """Map each token to its colour. Tokens with the same classes have shades of the same colour.
 
-    Hands are blue or violet, other objects have warm colours, places in the goal are green, and other places are grey.
+    Hands are blue or violet, objects that blocks can use have warm colours, places in the goal are green, and other
+    tokens are grey.
     """
     groups: dict[tuple[int, str], tuple[Colour, list[str]]] = {}
     goals = goal_tokens(task)
@@ -94,6 +96,8 @@ def _scale_of(token: Token, goals: frozenset[str]) -> Sequence[Colour]:
             return PLACES
         # A large body is paler than a disc, so that smaller objects remain conspicuous.
         return GOALS if token.shape is None else FIXED_GOALS
+    if token.bystander:
+        return BYSTANDERS
     return HANDS if token.basic_actions else THINGS
 
 

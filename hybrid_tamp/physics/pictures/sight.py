@@ -15,13 +15,16 @@ from hybrid_tamp.physics.pictures.camera import ELEVATION, TURN, Camera, frame_c
 from hybrid_tamp.physics.pictures.outlines import bounding_box
 from hybrid_tamp.physics.pictures.subject import find_actors, sample_states, spheres_of
 
-TURNS = {
+_FRONT = {
     **{TURN: 1.0, -TURN: 1.0},
     **{sign * np.radians(turn): worth for turn, worth in ((30.0, 0.88), (45.0, 0.8), (60.0, 0.7)) for sign in (1, -1)},
 }
-"""Maps each horizontal angle of the camera that is tried [rad] to its worth. Motion across the picture is preferred."""
-ELEVATIONS = (ELEVATION, np.radians(36.0))
-"""Angles of the camera above the horizontal that are tried [rad]."""
+_BACK = 0.5
+TURNS = {**_FRONT, **{turn + np.pi: _BACK * worth for turn, worth in _FRONT.items()}}
+"""Maps each horizontal angle of the camera that is tried [rad] to its worth. Motion across the picture is preferred,
+from the front. A view from the back is only worth while if something hides the action from the front."""
+ELEVATIONS = {ELEVATION: 1.0, np.radians(36.0): 1.0, np.radians(60.0): 0.4}
+"""Maps each angle of the camera above the horizontal that is tried [rad] to its worth."""
 _ROWS = 16
 _INSIDE = 0.85
 _ENOUGH = 0.45
@@ -55,7 +58,7 @@ def choose_shot(task: Task, recording: Recording, aspect: float) -> Shot:
     def shoot(turn: float, elevation: float) -> Shot:
         camera = frame_camera(seen, aspect, turn, elevation)
         visible = visible_share(task, states, sorted(names), camera.eye)
-        return Shot(camera, TURNS[turn] * visible**_CLARITY / camera.distance)
+        return Shot(camera, TURNS[turn] * ELEVATIONS[elevation] * visible**_CLARITY / camera.distance)
 
     return max((shoot(*angles) for angles in product(TURNS, ELEVATIONS)), key=lambda shot: shot.quality)
 
@@ -64,10 +67,11 @@ def visible_share(task: Task, states: State, names: list[str], eye: FloatArray) 
     """Return how much of the bodies an eye sees in a batch of states, from 0 (nothing) to 1 (enough of each body).
 
     The points of a body are its centre and points near the corners of its bounding box. A point is hidden if the
-    bounding box of another body is between the point and the eye. Nearly half the points of a body are enough.
+    bounding box of any other body of the task is between the point and the eye. Nearly half the points of a body are
+    enough.
     """
     tokens = [task.token_by_name[name] for name in names if task.token_by_name[name].shape is not None]
-    boxes = {token.name: bounding_box(token) for token in tokens}
+    boxes = {token.name: bounding_box(token) for token in task.tokens if token.shape is not None}
     signs = np.array([(0.0, 0.0, 0.0), *product((-_INSIDE, _INSIDE), repeat=3)])
     shares = []
     for token in tokens:
@@ -75,9 +79,9 @@ def visible_share(task: Task, states: State, names: list[str], eye: FloatArray) 
         points = rotate(states[token.name, "orientation"][:, None], middle + signs * half)
         points = points + states[token.name, "position"][:, None]
         hidden = np.zeros(points.shape[:-1], dtype=bool)
-        for other in tokens:
-            if other is not token:
-                hidden |= _is_hidden(points, eye, states, other.name, *boxes[other.name])
+        for other, box in boxes.items():
+            if other != token.name:
+                hidden |= _is_hidden(points, eye, states, other, *box)
         shares.append(np.minimum((1.0 - hidden.mean(axis=-1)) / _ENOUGH, 1.0).mean())
     return float(np.mean(shares)) if shares else 1.0
 
