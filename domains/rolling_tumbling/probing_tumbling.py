@@ -11,20 +11,20 @@ from hybrid_tamp.authoring import (
     Task,
     Token,
     TrialRecipe,
+    cross,
     points_of,
     quaternion_from_axis_angle,
     quaternion_multiply,
     rotate,
 )
-from hybrid_tamp.skills import HORIZONTAL, NORMALS, UP, StaticEndEffector, normal
+from hybrid_tamp.skills import HORIZONTAL, NORMALS, UP, StaticEndEffector, can_turn, normal, to_body, z_axis
 
 from .classes import Tumblable
 from .faces import FACE, flat
 from .metrics import CONTROLLED
 from .probing_rolling import mass_of
 from .standing import FLAT_TOLERANCE
-from .tumbling_geometry import GRIP, sides_around, to_the_right
-from .turning_hands import own_axis
+from .tumbling_geometry import GRIP, sides_around
 
 _OFFSET, _YAW = 0.02, float(np.radians(2.0))
 """Largest random offsets of the initial position [m] and of the initial yaw [rad]."""
@@ -60,7 +60,12 @@ def _estimate(task: Task, token: Token, labelled: Token, carry: Carry) -> Estima
 def _turning_axis(task: Task, token: Token) -> int:
     """Return the index of the body axis nearest to a hand's axis, or of the y axis if the task has no hand."""
     hand = next((one for one in task.tokens if one.is_member(StaticEndEffector)), None)
-    return 1 if hand is None else own_axis(task.state, hand, token)
+    return 1 if hand is None else int(np.argmax(np.abs(to_body(task.state, token, _along(task.state, hand)))))
+
+
+def _along(state: State, hand: Token) -> FloatArray:
+    """Return the axis ``(3,)`` along which a hand lies at the token. A hand that can turn lies along the y axis."""
+    return np.array([0.0, 1.0, 0.0]) if can_turn(hand) else z_axis(state, hand)
 
 
 def _touched(labelled: Token, turn: int) -> dict[str, FloatArray]:
@@ -94,7 +99,7 @@ def _task(task: Task, member: Token, rng: np.random.Generator | None) -> Task:
     }
     aside = _ASIDE + max(member["half_extents"])
     for number, hand in enumerate(hands):
-        side = to_the_right(task.state, hand) * (aside if number % 2 else -aside)
+        side = cross(_along(task.state, hand), UP) * (aside if number % 2 else -aside)
         given[hand.name, "position"] = centre + side + _UP * UP
         given[hand.name, "orientation"] = task.state[hand, "orientation"]
     state = State.of(tokens, given)
@@ -117,8 +122,8 @@ def _onto(state: State, hands: tuple[Token, ...], member: Token) -> str:
     """Return the face whose normal points furthest to the first hand's right, or the right face without hands."""
     if not hands:
         return "right"
-    right = to_the_right(state, hands[0])
-    sides = sides_around(own_axis(state, hands[0], member))
+    along = _along(state, hands[0])
+    right, sides = cross(along, UP), sides_around(int(np.argmax(np.abs(to_body(state, member, along)))))
     return max(sides, key=lambda face: float(normal(state, member, face) @ right))
 
 

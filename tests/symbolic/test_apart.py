@@ -123,7 +123,8 @@ def test_a_small_task_is_planned_at_once_to_find_the_fewest_actions(planner: Cou
 def test_few_groups_are_planned_in_turn_with_more_hands(planner: Counting, tmp_path: Path) -> None:
     task = random_tumbling(7, 4, 2).replaced(objective="length")
     planned = find_plan(task, planner)
-    assert (planned.way, planned.fewest) == (IN_TURN, "no shorter one found")
+    assert planned.way.startswith(IN_TURN)
+    assert planned.fewest == "no shorter one found"
     assert accepted(tmp_path, task, planned)
     assert len(planned.answer.actions) < 34
 
