@@ -97,7 +97,9 @@ class _Space:
             if wanted is None or token.is_member(wanted):
                 yield from propose_copies(self.task, token)
         for each in self.task.domain.classes if wanted is None else (wanted,):
-            if not is_place(each) and not self.task.values_of(each):
+            # If a base class has members, a copy of a member is proposed already.
+            bases = (base for base in self.task.domain.classes if issubclass(each, base))
+            if not is_place(each) and not any(self.task.values_of(base) for base in bases):
                 yield IdealToken(each)
 
     def classes(self, wanted: type[ObjectClass] | None = None) -> Iterator[Change]:
