@@ -35,14 +35,15 @@ def test_the_oracle_names_what_is_in_the_way() -> None:
     ahead = (goal - drum) * [1.0, 1.0, 0.0]
     ahead /= np.linalg.norm(ahead)
     middle = [*((drum + goal) / 2)[:2], 0.1]
-    behind = [*(drum - 0.35 * ahead)[:2], 0.2]
+    radius = task.token_by_name["cylinder"]["radius_of_rotation"]
+    behind = [*(drum - (radius + 0.04) * ahead)[:2], 0.2]
     cage = [
         ([hand[0] + x, hand[1] + y, hand[2]], [0.01 + abs(y), 0.01 + abs(x), 2.0])
         for x, y in ((-0.1, 0.0), (0.1, 0.0), (0.0, -0.1), (0.0, 0.1))
     ]
     assert find_obstruction(task) == ""
     assert find_obstruction(with_walls((middle, [0.05, 0.05, 0.1]))) == "drum"
-    assert find_obstruction(with_walls((behind, [0.2, 0.2, 0.2]))) == "hand behind the drum"
+    assert find_obstruction(with_walls((behind, [0.02, 0.02, 0.2]))) == "hand behind the drum"
     roof = ([hand[0], hand[1], hand[2] + 2.0], [0.2, 0.2, 0.02])
     assert find_obstruction(with_walls(*cage, roof)) == "way of the hand"
 
