@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance, Step
 from hybrid_tamp.model.recording import Recording
-from hybrid_tamp.report.tables import roles_text
+from hybrid_tamp.report.tables import RESTING, name_some, roles_text
 
 _VERDICT_TIME = 0.5
 
@@ -74,4 +74,4 @@ class Captions:
         yield from (Paragraph(allocation(instance)) for instance in busy)
         resting = sorted(t for i in step.instances if i.block == self._resting for t in i.slots.values())
         if resting:
-            yield Paragraph(f"{self._resting}: {', '.join(resting)}", pale=True)
+            yield Paragraph(f"{self._resting}: {name_some(resting, RESTING)}", pale=True)

@@ -1,6 +1,6 @@
 """Tables of plans, results and domains for people. Programs read the JSON documents instead."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from rich.console import Group, JustifyMethod, RenderableType
@@ -16,6 +16,8 @@ from hybrid_tamp.report.documents import Json
 _WIDTH = 60
 """Width of a timeline in characters."""
 _NAMED = 8
+RESTING = 12
+"""Largest number of resting tokens that are named, and largest number of rows for tokens that always rest."""
 """Maximum number of names that are printed in a list. The document has all names."""
 
 _NO_SINGLE_CHANGE = "No single change of a token, class, edge, fact or property makes the task solvable."
@@ -75,7 +77,13 @@ def allocations(step: Json, resting: str) -> list[str]:
     """Return a line with the tokens of each busy instance, and a line with all resting tokens."""
     busy = [allocation(entry) for entry in step["blocks"] if entry["block"] != resting]
     idle = [token for entry in step["blocks"] if entry["block"] == resting for token in entry["slots"].values()]
-    return [*busy, f"{resting}: {', '.join(sorted(idle))}"] if idle else busy
+    return [*busy, f"{resting}: {name_some(sorted(idle), RESTING)}"] if idle else busy
+
+
+def name_some(names: Sequence[str], most: int) -> str:
+    """Return the first names, separated by commas, and the number of further names, e.g. ``a, b and 3 more``."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
 
 
 def plan_footer(document: Json) -> str:
@@ -97,8 +105,7 @@ def network_text(network: Json) -> str:
         blocks = f"{len(network['blocks'])} of {whole['blocks']} blocks"
         tokens = f"{len(network['tokens'])} of {whole['tokens']} tokens"
         left_out = [*whole["blocks_left_out"], *whole["tokens_left_out"]]
-        more = f" and {len(left_out) - _NAMED} more" if len(left_out) > _NAMED else ""
-        lines.append(f"reduced network: {blocks}, {tokens}; left out: {', '.join(left_out[:_NAMED])}{more}")
+        lines.append(f"reduced network: {blocks}, {tokens}; left out: {name_some(left_out, _NAMED)}")
     for added in expanded[:_NAMED]:
         fills = f" for {', '.join(added['blocks'])}" if added["blocks"] else ""
         lines.append(f"brought in {added['token']} ({', '.join(added['classes'])}){fills}: {added['why']}")
@@ -128,11 +135,17 @@ def timetable(title: str, plan: TaskPlan) -> RenderableType:
 
 
 def timeline(plan: TaskPlan, tokens: Iterable[str], resting: str) -> RenderableType:
-    """Return a table in which each row shows the blocks of a token over time, to scale. Dots stand for rest."""
+    """Return a table in which each row shows the blocks of a token over time, to scale. Dots stand for rest.
+
+    If there are many tokens, tokens that always rest have no row.
+    """
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True)
-    for token in tokens:
+    names = list(tokens)
+    if len(names) > RESTING:
+        names = [name for name in names if any(each.block != resting for each, _ in plan.timeline(name))]
+    for token in names:
         row = Text()
         for instance, _ in plan.timeline(token):
             begin, end = (round(time / plan.makespan * _WIDTH) for time in (instance.start, instance.end))

@@ -12,7 +12,6 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 
-
 SEED = 0
 """Seed of a task whose hand is beside the way of the drum."""
 
