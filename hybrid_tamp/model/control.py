@@ -1,6 +1,6 @@
 """Policies with their parameters, and continuous systems (paper, Sec. II-B)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -34,6 +34,11 @@ class Parameters:
     hyperparameters: Hyperparameters
     path: FloatArray | None = None
     phase: FloatArray | float = 0.0
+
+
+def corners_of(path: Sequence[Sequence[float]]) -> FloatArray | None:
+    """Return the corners ``(n, 3)`` [m] of the path of an instance, or None for an empty path."""
+    return np.array(path) if path else None
 
 
 @dataclass(frozen=True)

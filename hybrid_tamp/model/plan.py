@@ -5,10 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-import numpy as np
-
 from hybrid_tamp.model.tables import Rows, Tabular
-from hybrid_tamp.motion.arrays import FloatArray
 
 Fewest = Literal["proven fewest", "no shorter one found", "first found"]
 """What is known about a plan's number of actions. "No shorter one found" means that a counted search looked for one."""
@@ -44,11 +41,6 @@ class BlockInstance:
     hyperparameters: Mapping[str, float] = field(default_factory=dict)
     reached: float | None = None
     path: tuple[tuple[float, float, float], ...] = ()
-
-    @property
-    def corners(self) -> FloatArray | None:
-        """Corners of the path ``(n, 3)`` [m], or None if the movement follows no planned path."""
-        return np.array(self.path) if self.path else None
 
     @property
     def action(self) -> str:

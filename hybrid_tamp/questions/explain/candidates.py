@@ -25,6 +25,7 @@ from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.plan import split_mode
 from hybrid_tamp.model.predicate import Atom, Literal, Value
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
 from hybrid_tamp.questions.changes import propose_copies, task_root
 from hybrid_tamp.questions.explain.property_changes import find_factor_changes, find_property_changes
 
@@ -107,8 +108,15 @@ class _Space:
         relations = self.task.domain.relations
         for each, token in product(self.task.domain.classes if wanted is None else (wanted,), self.task.assigned):
             own = set(token.classes) - {task_root(self.task)}
-            if not is_place(each) and each not in own and all(relations.can_share_token(each, one) for one in own):
+            if is_place(each) or each in own or self._is_idle(each, token):
+                continue
+            if all(relations.can_share_token(each, one) for one in own):
                 yield JoinClass(token, each)
+
+    def _is_idle(self, object_class: type[ObjectClass], token: Token) -> bool:
+        """Return whether a class opens no slot to a token, because the token already is a member of a base class."""
+        bases = (each for each in self.task.domain.classes if issubclass(object_class, each))
+        return object_class not in self._slots.values() and any(map(token.is_member, bases))
 
     def edges(self, towards: SlotName | None = None) -> Iterator[Change]:
         """Return changes that add an edge from a reachable slot. Edges to unreachable slots come first."""
