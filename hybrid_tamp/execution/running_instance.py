@@ -9,7 +9,7 @@ from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.commands import CommandLayout
 from hybrid_tamp.model.contacts import Contact
-from hybrid_tamp.model.control import Commands, Parameters, corners_of
+from hybrid_tamp.model.control import Commands, Parameters
 from hybrid_tamp.model.plan import TIME_TOLERANCE, BlockInstance
 from hybrid_tamp.model.predicate import Literal
 from hybrid_tamp.model.recording import AtomMargin
@@ -79,7 +79,7 @@ class Running:
         maker, self._maker_name = self.block.policy, f"{self.block.name}.policy"
         with authored(self._maker_name, self._binding):
             self._policy = (
-                None if maker is None else maker(self._binding, seen, Parameters(arrays, corners_of(instance.path)))
+                None if maker is None else maker(self._binding, seen, Parameters.along(instance.path, arrays))
             )
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters, corners_of
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
 from hybrid_tamp.model.facts import fact_margin
 from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
 from hybrid_tamp.model.plan import BlockInstance
@@ -110,9 +110,7 @@ class InstanceModel:
 
     def start_from(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
         """Return the forward model of the instance for initial states of shape ``(n, m)``."""
-        return ForwardModel(
-            self.block, self.binding, self.state(start), Parameters(chosen, corners_of(self.instance.path))
-        )
+        return ForwardModel(self.block, self.binding, self.state(start), Parameters.along(self.instance.path, chosen))
 
 
 @dataclass(frozen=True, eq=False)

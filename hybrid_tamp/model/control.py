@@ -35,10 +35,10 @@ class Parameters:
     path: FloatArray | None = None
     phase: FloatArray | float = 0.0
 
-
-def corners_of(path: Sequence[Sequence[float]]) -> FloatArray | None:
-    """Return the corners ``(n, 3)`` [m] of the path of an instance, or None for an empty path."""
-    return np.array(path) if path else None
+    @classmethod
+    def along(cls, path: Sequence[Sequence[float]], hyperparameters: Hyperparameters) -> "Parameters":
+        """Return the parameters of a movement along the corners ``(n, 3)`` [m] of a path, which may be empty."""
+        return cls(hyperparameters, np.array(path) if path else None)
 
 
 @dataclass(frozen=True)
