@@ -28,6 +28,7 @@ from hybrid_tamp.authoring import (
 )
 from hybrid_tamp.skills import (
     HORIZONTAL,
+    Curve,
     ReachGoal,
     Timetable,
     Transit,
@@ -46,7 +47,7 @@ from hybrid_tamp.skills import (
 
 from .classes import Tumblable
 from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
-from .curves import Curve, Route, curve_through
+from .curves import Route, curve_through
 from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import above_floor, place_at

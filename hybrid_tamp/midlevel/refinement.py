@@ -55,7 +55,7 @@ def refine(
     if not valued or not objective.space.varying:
         defaults = Candidates.of(objective, objective.space.default)
         if not objective.space.varying or defaults.violation == 0:
-            return summarise_defaults(objective, defaults, began)
+            return summarise_defaults(objective, defaults, time.monotonic() - began)
     if not valued:
         objective = replace(objective, reserves={})  # Without a value to maximise, reserves have no use.
     tell = progress or (lambda share, best: None)
@@ -71,14 +71,14 @@ def refine(
     if measured is not None and task.midlevel.refine == "physics" and searched.screening.relevant:
         refined = refine_in_physics(settings, searched, candidates.point, Objective(task, plan, measured))
         candidates = candidates.replace_best(searched.objective, refined.point)
-    found = summarise(searched, candidates, refined, began)
+    found = summarise(searched, candidates, refined, time.monotonic() - began)
     optimised = f"{len(searched.screening.relevant)} of {len(found.hyperparameters)} hyperparameters"
     _LOG.info("%s optimised %s in %d rollouts, %.2f s", found.optimiser, optimised, found.evaluations, found.seconds)
     return found
 
 
 def evaluate_defaults(task: Task, plan: TaskPlan, roll_out: RollOut) -> RefinedPlan:
-    """Return the refined plan with the default hyperparameters, without a search.
+    """Return the refined plan with the default hyperparameters, without a search and without its duration.
 
     Args:
         task: task of the plan.
@@ -89,8 +89,8 @@ def evaluate_defaults(task: Task, plan: TaskPlan, roll_out: RollOut) -> RefinedP
         LimitReached: if the deadline passes.
         NotFinite: if the rollout failed.
     """
-    began, objective = time.monotonic(), Objective(task, plan, roll_out)
-    return summarise_defaults(objective, Candidates.of(objective, objective.space.default), began)
+    objective = Objective(task, plan, roll_out)
+    return summarise_defaults(objective, Candidates.of(objective, objective.space.default), 0.0)
 
 
 def _compare(searched: Searched) -> Candidates:

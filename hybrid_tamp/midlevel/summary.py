@@ -1,6 +1,5 @@
 """Summary of a search as a refined plan. The best candidates of the search are rolled out over the whole plan."""
 
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -66,14 +65,14 @@ class Candidates:
         return Candidates(objective.rollout(points), points, 1)
 
 
-def summarise_defaults(objective: Objective, defaults: Candidates, began: float) -> RefinedPlan:
+def summarise_defaults(objective: Objective, defaults: Candidates, seconds: float) -> RefinedPlan:
     """Return the refined plan with default hyperparameters, for a plan with nothing to optimise."""
     tuned = _tune(objective, defaults.point, dict.fromkeys(objective.space.names, "kept"))
-    return _summarise(objective, defaults, tuple(tuned), len(defaults.points), began)
+    return _summarise(objective, defaults, tuple(tuned), len(defaults.points), seconds)
 
 
 def summarise(
-    searched: Searched, candidates: Candidates, in_physics: RefinedInPhysics | None, began: float
+    searched: Searched, candidates: Candidates, in_physics: RefinedInPhysics | None, seconds: float
 ) -> RefinedPlan:
     """Return the refined plan with the hyperparameters of the best candidate.
 
@@ -81,7 +80,7 @@ def summarise(
         searched: result of the search.
         candidates: candidates that remain after the search.
         in_physics: result of the refinement in physics, or None if not requested.
-        began: start time of the optimisation, from `time.monotonic`, in seconds.
+        seconds: duration of the optimisation [s].
     """
     objective, optimum, influence = searched.objective, searched.optimum, searched.influence
     relevant = searched.screening.relevant
@@ -97,7 +96,7 @@ def summarise(
             candidates,
             tuple(tuned),
             searched.spent + (0 if searched.whole else len(candidates.points)),
-            began,
+            seconds,
         ),
         apart=None if searched.apart is None else candidates.value(-1),
         optimiser=objective.task.midlevel.optimiser,
@@ -110,7 +109,7 @@ def summarise(
 
 
 def _summarise(
-    objective: Objective, candidates: Candidates, tuned: tuple[Tuned, ...], spent: int, began: float
+    objective: Objective, candidates: Candidates, tuned: tuple[Tuned, ...], spent: int, seconds: float
 ) -> RefinedPlan:
     """Return the refined plan with the best candidate, without the fields that only a search determines."""
     rollout, chosen = candidates.rollout, candidates.chosen
@@ -128,7 +127,7 @@ def _summarise(
         expected=margins,
         optimiser="",
         evaluations=spent,
-        seconds=time.monotonic() - began,
+        seconds=seconds,
         stopped="",
         history=(),
     )

@@ -80,7 +80,7 @@ def make_default_system(block: Described, binding: Binding, start: State) -> Con
 def _drive_alone(hands: list[Token], changing: Collection[tuple[str, str]]) -> ContinuousSystem:
     """Return the system of hands that touch nothing (semi-implicit Euler)."""
     masses = [_mass(hand) for hand in hands]
-    wrists = [hand for hand in hands if (hand.name, "orientation") in changing and _has_wrist(hand)]
+    wrists = [hand for hand in hands if (hand.name, "orientation") in changing and has_wrist(hand)]
 
     def system(state: State, commands: Commands, dt: float) -> State:
         changes: dict[tuple[str, str], FloatArray] = {}
@@ -136,7 +136,7 @@ class _Step:
             force, torque = force + weight, torque + cross(arm, weight)
             inertia = inertia + (holds * _mass(thing) * np.vecdot(arm, arm))[..., None]
         self.after[hand.name, "velocity"] = state[hand, "velocity"] + force / mass * dt
-        if (hand.name, "orientation") in self.changing and _has_wrist(hand):
+        if (hand.name, "orientation") in self.changing and has_wrist(hand):
             spin = state[hand, "angular_velocity"] + torque / inertia * dt
             self.after[hand.name, "angular_velocity"] = spin
             self.after[hand.name, "orientation"] = integrate(state[hand, "orientation"], spin, dt)
@@ -225,7 +225,8 @@ class _Step:
         return np.asarray(np.vecdot(away, away) <= CAPTURE**2)
 
 
-def _has_wrist(hand: Token) -> bool:
+def has_wrist(hand: Token) -> bool:
+    """Return whether a hand has a wrist, i.e. a basic action with which the hand turns."""
     return any(action.name == _TORQUE for action in hand.basic_actions)
 
 

@@ -9,7 +9,8 @@ from hybrid_tamp.motion.profile import Profile
 
 _ROUNDING = 0.05
 """Largest length of a leg that a rounded corner replaces [m]."""
-_SAMPLES = 8
+CORNER_SAMPLES = 8
+"""Number of points that replace an inner corner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,29 +19,32 @@ class Curve:
 
     Attributes:
         points: densely sampled points of the curve ``(..., p, 3)`` [m].
-        arcs: arc length from the start to each point ``(..., p)`` [m].
+        arcs: length from the start to each point ``(..., p)`` [m]. A turn of the body adds to the length.
+        paces: ratio of the distance between two points to the length between them ``(..., p - 1)``, from 0 to 1.
+        turning: lengths at which the body begins and ends to turn ``(..., 2)`` [m].
     """
 
     points: FloatArray
     arcs: FloatArray
+    paces: FloatArray
+    turning: FloatArray
 
     @classmethod
     def through(cls, corners: FloatArray) -> "Curve":
-        """Return the curve along polylines ``(..., c, 3)`` [m] whose inner corners are rounded."""
-        points = _rounded(corners)
+        """Return the curve along polylines ``(..., c, 3)`` [m] without turns. Inner corners are rounded."""
+        points = round_corners(corners)
         steps = np.linalg.norm(np.diff(points, axis=-2), axis=-1)
         arcs = np.concatenate([np.zeros((*steps.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
-        return cls(points, arcs)
+        return cls(points, arcs, np.ones_like(steps), np.zeros((*steps.shape[:-1], 2)))
 
     @property
     def length(self) -> FloatArray:
-        """Arc length of the curve ``(...)`` [m]."""
+        """Length of the curve ``(...)`` [m]."""
         return np.asarray(self.arcs[..., -1])
 
     def at(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
-        """Return the position [m] and the velocity [m/s], each ``(..., 3)``, for a movement with a speed profile."""
-        phase = elapsed / duration
-        travelled, speed = self.length * profile.share(phase), self.length * profile.rate(phase) / duration
+        """Return the position [m] and velocity [m/s], each ``(..., 3)``, for a movement with a speed profile."""
+        travelled, speed = profile.advance(elapsed, duration, self.length)
         index = np.clip(np.sum(self.arcs <= travelled[..., None], axis=-1), 1, self.arcs.shape[-1] - 1)
         # The open grid of indices lets each member of the batch read its own curve.
         members = np.indices(self.arcs.shape[:-1], sparse=True)
@@ -49,13 +53,23 @@ class Curve:
         along = high - low
         span = np.linalg.norm(along, axis=-1)
         direction = along / np.maximum(span, 1e-12)[..., None]
-        return low + direction * (travelled - start)[..., None], direction * speed[..., None]
+        pace = self.paces[before]
+        return low + direction * (pace * (travelled - start))[..., None], direction * (pace * speed)[..., None]
+
+    def turned(self, elapsed: FloatArray, duration: FloatArray, profile: Profile) -> tuple[FloatArray, FloatArray]:
+        """Return the share of the turn that the body has made, and the rate of this share [1/s], each ``(...)``."""
+        travelled, speed = profile.advance(elapsed, duration, self.length)
+        begin, end = self.turning[..., 0], self.turning[..., 1]
+        span = np.maximum(end - begin, 1e-9)
+        part = np.clip((travelled - begin) / span, 0.0, 1.0)
+        # The cubic has zero slope at both ends, so the angular velocity does not jump.
+        return part**2 * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part) * speed / span
 
 
-def _rounded(corners: FloatArray) -> FloatArray:
+def round_corners(corners: FloatArray) -> FloatArray:
     """Replace each inner corner of polylines ``(..., c, 3)`` with a short parabola. Return points ``(..., p, 3)``."""
     pieces = [corners[..., :1, :]]
-    part = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    part = np.linspace(0.0, 1.0, CORNER_SAMPLES)[:, None]
     for index in range(1, corners.shape[-2] - 1):
         corner = corners[..., index : index + 1, :]
         into = _shortened(corners[..., index - 1 : index, :] - corner)

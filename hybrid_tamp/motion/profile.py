@@ -61,6 +61,19 @@ class Profile:
         time, _, rate = self._table
         return np.asarray(np.interp(np.asarray(phase, dtype=np.float64), time, rate, left=0.0))
 
+    def advance(
+        self, elapsed: FloatArray, duration: FloatArray | float, amount: FloatArray | float = 1.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return how far a movement has come, and how fast it is, each ``(...)``.
+
+        Args:
+            elapsed: time ``(...)`` [s] since the beginning of the movement, negative before the beginning.
+            duration: duration ``(...)`` of the movement [s].
+            amount: length ``(...)`` of the movement, e.g. in metres.
+        """
+        phase = elapsed / duration
+        return amount * self.share(phase), amount * self.rate(phase) / duration
+
     def arrival(self, amount: ArrayLike, duration: ArrayLike, near: float, slow: float) -> FloatArray:
         """Return the time [s] after which a movement stays slow and close to its end, shape ``(...)``.
 

@@ -34,7 +34,7 @@ class Neighbour:
 
 
 @dataclass(frozen=True)
-class Movement:
+class Sweep:
     """The movement of an instance in the forward models, and the bodies at rest that it must not hit.
 
     Attributes:
@@ -70,9 +70,7 @@ class Movement:
         )
 
 
-def find_movements(
-    task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER
-) -> Iterator[Movement]:
+def find_sweeps(task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER) -> Iterator[Sweep]:
     """Yield the movements of a plan in the order of their starts.
 
     Args:
@@ -88,17 +86,17 @@ def find_movements(
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         if instance.name in traces:
             deadline.check()
-            yield _find_movement(task, plan, instance, traces[instance.name], bodies, precedence)
+            yield _find_sweep(task, plan, instance, traces[instance.name], bodies, precedence)
 
 
-def _find_movement(
+def _find_sweep(
     task: Task,
     plan: TaskPlan,
     instance: BlockInstance,
     trace: Trace,
     bodies: Mapping[str, Body],
     precedence: Precedence,
-) -> Movement:
+) -> Sweep:
     blocks = task.domain.block_by_name
     rules = ContactRules(blocks, [instance], task.fixed_bodies, task.token_by_name)
     moving = {
@@ -120,7 +118,7 @@ def _find_movement(
                 if not rules.allow(name, other, trace.world) and not pass_through(mine, task.token_by_name[other])
             )
             neighbours.append(tuple(Neighbour(bodies[other], pose_of(trace.world, other)) for other in others))
-    return Movement(instance, trace, tuple(tracks), tuple(neighbours))
+    return Sweep(instance, trace, tuple(tracks), tuple(neighbours))
 
 
 def _track(body: Body, trace: Trace) -> Track:

@@ -16,7 +16,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.paths.free_space import Carried, FreeSpace, Obstacle
 from hybrid_tamp.paths.search import find_path
-from hybrid_tamp.planning.clearance import Movement
+from hybrid_tamp.planning.clearance import Sweep
 
 CLEARANCE = 0.02
 """Distance that a path keeps from other bodies [m], as an allowance for servo errors and rounded corners."""
@@ -32,7 +32,7 @@ _TURNED = 1e-2
 """Largest difference of a component of two quaternions that count as equal."""
 
 
-def find_detour(task: Task, movement: Movement, seed: int) -> FloatArray | None:
+def find_detour(task: Task, movement: Sweep, seed: int) -> FloatArray | None:
     """Return the corners ``(c, 3)`` [m] of a path for a movement, or None if there is no path or none was found.
 
     Args:
@@ -62,7 +62,7 @@ def _carried_at(track: Track, lead: Track, phase: float) -> Carried:
     return Carried(track.body, pose.position - lead.at(phase).position, pose.orientation)
 
 
-def _carried(movement: Movement, lead: Track) -> Iterator[list[Carried]]:
+def _carried(movement: Sweep, lead: Track) -> Iterator[list[Carried]]:
     """Yield the bodies that move with the leader: first in all orientations of the movement, then in the first one."""
     phases = np.linspace(0.0, len(lead.positions) - 1.0, _PHASES).tolist()
     first = [_carried_at(track, lead, 0.0) for track in movement.tracks]
@@ -77,7 +77,7 @@ def _carried(movement: Movement, lead: Track) -> Iterator[list[Carried]]:
     yield first
 
 
-def _obstacles(movement: Movement, lead: Track) -> Iterator[Obstacle]:
+def _obstacles(movement: Sweep, lead: Track) -> Iterator[Obstacle]:
     """Yield the bodies at rest. Near a body that is close to an end of the movement, the path may be as close."""
     others = {each.body.name: each for each in chain(*movement.neighbours)}
     for each in others.values():
@@ -89,7 +89,7 @@ def _obstacles(movement: Movement, lead: Track) -> Iterator[Obstacle]:
         yield Obstacle(each.body, each.pose, min(CLEARANCE, min(ends) - _CLOSER))
 
 
-def _admits(task: Task, movement: Movement, leader: str) -> Callable[[FloatArray], float]:
+def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], float]:
     """Return a function of the leader's position, which returns the least margin of the invariants on lengths [m]."""
     instance, world = movement.instance, movement.trace.world
     binding, moved = task.bind(instance.roles), [track.body.name for track in movement.tracks]

@@ -16,13 +16,11 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.precedence import Precedence, must_wait
 from hybrid_tamp.model.reassignment import Reassignment, initial, reassignments
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.clearance import Movement, allow_contact
+from hybrid_tamp.planning.clearance import Sweep, allow_contact
 from hybrid_tamp.symbolic.schedule import Constraint, InfeasibleScheduleError, find_earliest
 
 
-def find_meeting(
-    task: Task, plan: TaskPlan, movements: Sequence[Movement]
-) -> tuple[Movement, Movement, tuple[str, str]] | None:
+def find_meeting(task: Task, plan: TaskPlan, movements: Sequence[Sweep]) -> tuple[Sweep, Sweep, tuple[str, str]] | None:
     """Return the first two movements that may overlap and meet, with the names of the two bodies, or None.
 
     Args:
@@ -41,7 +39,7 @@ def find_meeting(
 
 
 def _meeting_tracks(
-    task: Task, one: Movement, other: Movement, compare: Callable[[Track, Track, float], bool]
+    task: Task, one: Sweep, other: Sweep, compare: Callable[[Track, Track, float], bool]
 ) -> Iterator[tuple[Track, Track]]:
     rules = ContactRules(
         task.domain.block_by_name, [one.instance, other.instance], task.fixed_bodies, task.token_by_name

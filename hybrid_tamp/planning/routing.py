@@ -13,7 +13,7 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import CLEAR, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.clearance import Movement, find_movements
+from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.detours import find_detour
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 
@@ -43,7 +43,7 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
         refined = evaluate(plan, rollouts)
         if refined.shortfall is not None:
             return refined
-        movements = list(find_movements(task, refined.plan, rollouts.trace(refined.plan), deadline))
+        movements = list(find_sweeps(task, refined.plan, rollouts.trace(refined.plan), deadline))
         changed = _avoid_bodies(task, refined, plan, movements) or _avoid_meetings(task, refined, plan, movements)
         if changed is None:
             return refined
@@ -53,7 +53,7 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
 
 
 def _avoid_bodies(
-    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Movement]
+    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Sweep]
 ) -> TaskPlan | Shortfall | None:
     """Return the plan with a path for the first movement that hits a body at rest, or the reason if there is none."""
     for movement in movements:
@@ -72,7 +72,7 @@ def _avoid_bodies(
 
 
 def _avoid_meetings(
-    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Movement]
+    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Sweep]
 ) -> TaskPlan | Shortfall | None:
     """Return the plan in which one of two movements that meet goes first, or the reason if neither can go first."""
     found = find_meeting(task, refined.plan, movements)

@@ -9,6 +9,7 @@ from pydantic import AfterValidator
 from hybrid_tamp.geometry.agreement import CylinderSize, HalfExtents, ShapeFeature
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape
 from hybrid_tamp.model.affordance import AffordanceClass, BasicAction, CapabilityClass, PlaceClass, Vector3, quantity
+from hybrid_tamp.model.default_system import has_wrist
 from hybrid_tamp.model.margins import without_rounding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.support import find_floating
@@ -124,7 +125,7 @@ class TurningEndEffector(StaticEndEffector):
 
 def can_turn(hand: Token) -> bool:
     """Return whether a hand has a wrist, i.e. a basic action with which the hand turns."""
-    return any(action.name == "torque" for action in hand.basic_actions)
+    return has_wrist(hand)
 
 
 class Grounded:

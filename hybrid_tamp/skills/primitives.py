@@ -60,8 +60,7 @@ def advance(
         duration: duration ``(...)`` of the movement [s].
         amount: length ``(...)`` of the movement, e.g. in metres.
     """
-    phase = elapsed / duration
-    return amount * profile.share(phase), amount * profile.rate(phase) / duration
+    return profile.advance(elapsed, duration, amount)
 
 
 def move_straight(origin: FloatArray, way: FloatArray, duration: float, begin: float = 0.0) -> Reference:

@@ -101,11 +101,8 @@ def time_of_reach(
 def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
     """Return the policy of a hand that follows a planned path or the movement of the primitive to the goal."""
     hand = get_token(binding, "hand")
-    origin, end, duration = (
-        start[hand, "position"],
-        goal.position(binding, start),
-        parameters.hyperparameters["duration"],
-    )
+    origin, end = start[hand, "position"], goal.position(binding, start)
+    duration = parameters.hyperparameters["duration"]
     if parameters.path is None:
         movement = (primitive or demonstrated_reach()).trajectory(origin, end, duration)
         timetable = Timetable(lambda elapsed: movement.at(elapsed)[:2], start)

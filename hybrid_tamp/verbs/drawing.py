@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.recording import Recording
@@ -52,19 +53,28 @@ def draw_run(
         InputError: a file cannot be written.
         LimitReached: the deadline passes.
     """
-    with _open_frames(task, recording, films.size) as (still, moving):
-        step_pictures(folder.path, still, deadline)
+    with _open_frames(task, recording, films.size) as frames:
+        # The camera of the step pictures does not move, so that the pictures can be compared.
+        step_pictures(folder.path, frames(moving=False), deadline)
         if films.video is not None:
-            write_video(films.video, moving, progress, deadline)
+            write_video(films.video, frames(moving=True), progress, deadline)
     if films.gif is not None:
-        with _open_frames(task, recording, gifs.fit_size(films.size)) as (_, moving):
-            gifs.write_gif(films.gif, moving, progress, deadline)
+        with _open_frames(task, recording, gifs.fit_size(films.size)) as frames:
+            gifs.write_gif(films.gif, frames(moving=True), progress, deadline)
+
+
+class _MakeFrames(Protocol):
+    """Function that returns frames from a camera that follows the action or does not move."""
+
+    def __call__(self, *, moving: bool) -> Frames: ...
 
 
 @contextmanager
-def _open_frames(task: Task, recording: Recording, size: tuple[int, int]) -> Iterator[tuple[Frames, Frames]]:
-    """Yield frames from a camera that does not move, so that they can be compared, and from one that does."""
+def _open_frames(task: Task, recording: Recording, size: tuple[int, int]) -> Iterator[_MakeFrames]:
     layout, view = choose_layout(task, recording, size)
     with Renderer(task, view) as renderer:
-        frames = [Frames(task, recording, layout, renderer, track) for track in (None, follow(task, recording, view))]
-        yield frames[0], frames[1]
+
+        def make(*, moving: bool) -> Frames:
+            return Frames(task, recording, layout, renderer, follow(task, recording, view) if moving else None)
+
+        yield make

@@ -19,7 +19,6 @@ DURATIONS = {
     "hybrid_tamp/cli/run.py",
     "hybrid_tamp/midlevel/physics_refinement.py",
     "hybrid_tamp/midlevel/refinement.py",
-    "hybrid_tamp/midlevel/summary.py",
     "hybrid_tamp/planning/plan.py",
     "hybrid_tamp/symbolic/engines/planner_process.py",
     "hybrid_tamp/symbolic/find_plan.py",

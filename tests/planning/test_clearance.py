@@ -56,6 +56,6 @@ def test_a_limit_during_the_check_keeps_the_plan(monkeypatch: pytest.MonkeyPatch
     def stop(*_: object) -> None:
         raise LimitReached("time is up", limit="time")
 
-    monkeypatch.setattr(routing, "find_movements", stop)
+    monkeypatch.setattr(routing, "find_sweeps", stop)
     found = hybrid_tamp.plan("roll_cylinder", optimise=True)
     assert (found.status, found.plan is None) == ("limit", False)

@@ -1,7 +1,5 @@
 """Scenes with fixed obstacles, for trials: a random task with walls and blocks at random or tidy poses."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from hybrid_tamp.geometry.convex import placed
@@ -16,19 +14,13 @@ MOST = 6
 """Largest number of obstacles."""
 _TIDY = 0.05
 """Distance of the positions in tidy scenes [m]."""
+_FARTHEST = 1.2
+"""Largest coordinate of a position [m]."""
 _TRIES = 50
 
 
-@dataclass(frozen=True)
-class Area:
-    """Rectangle in which obstacles are placed [m]."""
-
-    lower: tuple[float, float]
-    upper: tuple[float, float]
-
-
-def add_clutter(task: Task, seed: int, area: Area = Area((-1.2, -1.2), (1.2, 1.2))) -> Task:
-    """Return the task with 0 to 6 fixed boxes that stand on the floor and overlap nothing.
+def add_clutter(task: Task, seed: int) -> Task:
+    """Return the task with 0 to 6 fixed boxes that stand on the floor within 1.2 m and overlap nothing.
 
     Half edges U(0.03, 0.25) m, half heights U(0.05, 0.5) m, any yaw. Every third scene is tidy: positions and edges are
     multiples of 5 cm, and yaws are multiples of 90 degrees.
@@ -43,7 +35,7 @@ def add_clutter(task: Task, seed: int, area: Area = Area((-1.2, -1.2), (1.2, 1.2
     tokens, given = list(task.tokens), dict(_values(task))
     for _ in range(int(rng.integers(0, MOST + 1))):
         for _ in range(_TRIES):
-            halves, place, yaw = _draw(rng, area, tidy)
+            halves, place, yaw = _draw(rng, tidy)
             shape, turn = Box(kind="box", half_extents=halves), quaternion_from_rpy(np.array([0.0, 0.0, yaw]))
             body = placed(shape, place, turn)
             if all(overlap(body, other) is None for other in bodies):
@@ -59,10 +51,10 @@ def _values(task: Task) -> dict[tuple[str, str], np.ndarray]:
     return {(token, name): task.state[token, name] for token, name, _ in task.state.layout.entries}
 
 
-def _draw(rng: np.random.Generator, area: Area, tidy: bool) -> tuple[tuple[float, float, float], np.ndarray, float]:
+def _draw(rng: np.random.Generator, tidy: bool) -> tuple[tuple[float, float, float], np.ndarray, float]:
     """Return half extents [m], a position ``(3,)`` [m] and a yaw [rad]."""
     halves = (*rng.uniform(0.03, 0.25, 2), rng.uniform(0.05, 0.5))
-    x, y = rng.uniform(area.lower, area.upper)
+    x, y = rng.uniform(-_FARTHEST, _FARTHEST, 2)
     yaw = rng.uniform(-np.pi, np.pi)
     if tidy:
         halves = tuple(max(_TIDY, round(half / _TIDY) * _TIDY) for half in halves)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import cross
 
 FIELD_OF_VIEW = np.radians(32.0)
 """Vertical angle of view [rad]."""
@@ -105,6 +106,6 @@ def _axes(points: NDArray[np.float64], turn: float, elevation: float) -> FloatAr
         along = -along
     cos, sin = np.cos(turn), np.sin(turn)
     right = np.array([cos * along[0] - sin * along[1], sin * along[0] + cos * along[1], 0.0])
-    away = np.cross(_UP, right)
+    away = cross(_UP, right)
     back = -np.cos(elevation) * away + np.sin(elevation) * _UP
-    return np.stack([right, np.cross(back, right), back])
+    return np.stack([right, cross(back, right), back])
