@@ -2,7 +2,7 @@
 
 The hand's curve lies in the plane perpendicular to the axis of the hand at its face. A hand that can turn does so on
 the way, and is parallel to the edge of the box when it arrives. The curve leaves the nearest face along a straight
-line, passes the box on the side that is clear of the floor, and approaches the goal face along a straight line. Another
+line, passes the box on the side that is clear of the ground, and approaches the goal face along a straight line. Another
 hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
@@ -50,7 +50,7 @@ from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
 from .curves import Route, curve_through
 from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
-from .tumbling_geometry import above_floor, place_at
+from .tumbling_geometry import above_ground, place_at
 from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
 from .turning_hands import wanted_orientation
 
@@ -114,11 +114,11 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    hand, profile = get_token(binding, "hand"), profile_of(primitive)
+    (hand, thing), profile = get_tokens(binding, "hand", "object"), profile_of(primitive)
     curve = _curve(binding, start, parameters.path)
     duration = _time(curve, parameters.hyperparameters)
     planned = _place(binding, start)
-    outward = off_the_face(start, hand, get_token(binding, "object"))
+    outward = off_the_face(start, hand, thing)
     servo = position_servo(hand)
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
@@ -133,8 +133,8 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
         position, velocity, share = timetable(elapsed)
         # Other hands may still move the box, so the end of the curve follows the face.
         position = position + share * (_place(binding, state) - planned)
-        # A hand that leaves a face which points down must not press on the floor.
-        clear = above_floor(hand, position)
+        # A hand that leaves a face which points down must not press on the ground.
+        clear = above_ground(hand, thing, position)
         velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
         return {(hand.name, "force"): servo(state, clear, velocity)}
 

@@ -92,14 +92,14 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
 
 
 def height_above_edge(hand: Token, extent: FloatArray | float, width: float) -> FloatArray:
-    """Return the smallest height ``(...)`` [m] above the edge at which a hand below a leaning box clears the floor.
+    """Return the smallest height ``(...)`` [m] above the edge at which a hand below a leaning box clears the ground.
 
     Args:
         hand: the hand, whose radius matters.
         extent: height of the face ``(...)`` [m].
         width: extent of the box along the face's normal [m].
     """
-    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor,
+    # Angle between the face and the ground if the box leans over the face. A hand at the face must not touch the ground,
     # even if the weight of the box presses the hand down.
     angle = np.arctan2(extent, width) - PAST_BALANCE - SAG
     return np.asarray(hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE)
@@ -116,21 +116,21 @@ def room_below(hand: Token, extent: float, width: float) -> float:
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
     """Return the standby position ``(..., 3)`` [m] of a hand's centre at a face of a box."""
     contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
-    return above_floor(hand, point(state, thing, contact))
+    return above_ground(hand, thing, point(state, thing, contact))
 
 
-def above_floor(hand: Token, position: FloatArray) -> FloatArray:
-    """Raise positions ``(..., 3)`` [m] of a level hand where necessary to keep the hand clear of the floor."""
+def above_ground(hand: Token, thing: Token, position: FloatArray) -> FloatArray:
+    """Raise positions ``(..., 3)`` [m] of a level hand where necessary, so that it clears the ground of a box."""
     assert isinstance(hand.shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
-    lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
+    lowest = np.array([-np.inf, -np.inf, thing.ground.height + hand.shape.radius + FLOOR_CLEARANCE])
     return np.asarray(np.maximum(position, lowest))
 
 
 def lowest_point(state: State, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of the box's lowest corner."""
+    """Return the height ``(...)`` [m] of the box's lowest corner above its ground."""
     halves = np.asarray(thing["half_extents"])
     heights = np.abs(rotate(state[thing, "orientation"][..., None, :], _AXES)[..., 2])
-    return np.asarray(state[thing, "position"][..., 2] - heights @ halves)
+    return np.asarray(state[thing, "position"][..., 2] - heights @ halves - thing.ground.height)
 
 
 def sides_around(axis: int) -> tuple[str, ...]:

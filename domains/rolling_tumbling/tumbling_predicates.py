@@ -85,8 +85,8 @@ def _places_around(state: State, hand: Token, thing: Token, axis: int) -> list[F
         for face in sides_around(axis)
         if abs(float(normal(state, thing, face)[2])) < _LYING
     ]
-    diagonal = float(np.hypot(*sections(thing, axis)))
-    return [*beside, *(np.array([*place[:2], diagonal + hand["radius"]]) for place in beside)]
+    highest = float(np.hypot(*sections(thing, axis))) + hand["radius"] + thing.ground.height
+    return [*beside, *(np.array([*place[:2], highest]) for place in beside)]
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
