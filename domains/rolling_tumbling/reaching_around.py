@@ -27,6 +27,7 @@ from hybrid_tamp.authoring import (
     rotation_vector,
 )
 from hybrid_tamp.skills import (
+    FREE_TO_MOVE,
     HORIZONTAL,
     Curve,
     ReachGoal,
@@ -120,6 +121,8 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
     planned = _place(binding, start)
     outward = off_the_face(start, hand, thing)
     servo = position_servo(hand)
+    # A hand that starts beside a table, below its top, rises along the curve.
+    below = start[hand, "position"][..., 2:] < thing.ground.height
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         position, velocity = curve.at(elapsed, duration, profile)
@@ -134,7 +137,7 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
         # Other hands may still move the box, so the end of the curve follows the face.
         position = position + share * (_place(binding, state) - planned)
         # A hand that leaves a face which points down must not press on the ground.
-        clear = above_ground(hand, thing, position)
+        clear = np.where(below, position, above_ground(hand, thing, position))
         velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
         return {(hand.name, "force"): servo(state, clear, velocity)}
 
@@ -159,7 +162,7 @@ REACH_BESIDE = make_reaching(
         targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
         position=_end,
         orientation=_orientation,
-        entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH)),
+        entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH, FREE_TO_MOVE)),
         arrived=conditions((AT_FACE,)),
         lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
         description="the hand moves around the box to a place at a face and stays there",

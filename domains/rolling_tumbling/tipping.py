@@ -34,6 +34,7 @@ from hybrid_tamp.authoring import (
 from hybrid_tamp.skills import (
     AT_REST,
     BODY,
+    FREE_TO_MOVE,
     IN_WORKSPACE,
     UP,
     Pressure,
@@ -72,6 +73,7 @@ _ABLE = (
     *conditions(ABLE_HAND, hand="first"),
     *conditions(ABLE_HAND, hand="second"),
     HEAVY_ENOUGH("object"),
+    FREE_TO_MOVE("object"),
 )
 
 
