@@ -2,8 +2,8 @@
 
 The hand's curve lies in the plane perpendicular to the axis of the hand at its face. A hand that can turn does so on
 the way, and is parallel to the edge of the box when it arrives. The curve leaves the nearest face along a straight
-line, passes the box on the side that is clear of the ground, and approaches the goal face along a straight line. Another
-hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
+line, passes the box on the side that is clear of the ground, and approaches the goal face along a straight line.
+Another hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
 import numpy as np

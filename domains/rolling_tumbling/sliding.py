@@ -59,9 +59,7 @@ def press(weight: float, width: float, height: float, friction: float, squeeze: 
     return squeeze + max(difference, 0.0) / 2.0
 
 
-def friction_needed(
-    weight: float, width: float, height: float, force: float, ground: float = FLOOR_FRICTION
-) -> float:
+def friction_needed(weight: float, width: float, height: float, force: float, ground: float = FLOOR_FRICTION) -> float:
     """Return the smallest friction of a box that hands of a maximal force [N] turn with `STEADY` of the ideal squeeze.
 
     The result is at most 5, the largest coefficient of a task.

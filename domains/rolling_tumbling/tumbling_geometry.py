@@ -30,6 +30,8 @@ The value was found by experiment. With a smaller value, the tipping force is to
 lift the pivot edge.
 """
 _HIGHEST = 0.9
+_STEEP = 0.9
+"""Vertical component of the normal above which a face points up or down."""
 _AXES = np.eye(3)
 SAG = float(np.radians(3.0))
 """Angle by which a leaning box may sink onto a hand [rad]."""
@@ -99,8 +101,8 @@ def height_above_edge(hand: Token, extent: FloatArray | float, width: float) -> 
         extent: height of the face ``(...)`` [m].
         width: extent of the box along the face's normal [m].
     """
-    # Angle between the face and the ground if the box leans over the face. A hand at the face must not touch the ground,
-    # even if the weight of the box presses the hand down.
+    # Angle between the face and the ground if the box leans over the face. A hand at the face must not touch the
+    # ground, even if the weight of the box presses the hand down.
     angle = np.arctan2(extent, width) - PAST_BALANCE - SAG
     return np.asarray(hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE)
 
@@ -131,6 +133,22 @@ def lowest_point(state: State, thing: Token) -> FloatArray:
     halves = np.asarray(thing["half_extents"])
     heights = np.abs(rotate(state[thing, "orientation"][..., None, :], _AXES)[..., 2])
     return np.asarray(state[thing, "position"][..., 2] - heights @ halves - thing.ground.height)
+
+
+def landing(state: State, thing: Token, face: str) -> FloatArray:
+    """Return how deep [m] a flat box, for a single state, lies within its ground after a tumble towards a face.
+
+    If the face points up or down, or if the ground has no edge, the result is 1.
+    """
+    outward = normal(state, thing, face)
+    if thing.ground.top is None or abs(float(outward[2])) > _STEEP:
+        return np.asarray(1.0)
+    down = min(NORMALS, key=lambda each: float(normal(state, thing, each)[2]))
+    pivot, axis = edge_position(state, thing, down, face), edge_axis(state, thing, down, face)
+    beside = axis * dot(np.abs(cross(NORMALS[down], NORMALS[face])), np.asarray(thing["half_extents"]))
+    beyond = outward * 2.0 * half_extent(thing, down)
+    corners = np.array([pivot + side + ahead for side in (-beside, beside) for ahead in (0.0 * beyond, beyond)])
+    return np.asarray(thing.ground.depth(corners[:, :2]).min())
 
 
 def sides_around(axis: int) -> tuple[str, ...]:

@@ -50,8 +50,8 @@ def find_blocked(task: Task) -> list[Atom]:
 def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ...], margin: float) -> str:
     """Return a text with the amount by which a fact fails, with and without the safety factor of the predicate.
 
-    If the predicate has a detail, the text states the detail instead of the amount. If the predicate has a distance, the
-    text states the distance and its limit. The text also says whether the fact is a limit of the blocks.
+    If the predicate has a detail, the text states the detail instead of the amount. If the predicate has a distance,
+    the text states the distance and its limit. The text also says whether the fact is a limit of the blocks.
     """
     limit = "; a limit of the available actions, not of physics" if predicate.competence else ""
     off = f"off by {with_unit(abs(margin), predicate.unit)}"

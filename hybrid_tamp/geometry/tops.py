@@ -24,7 +24,7 @@ class Top:
 
     Attributes:
         height: height of the top [m].
-        edges: a triple (x, y, offset) for each edge. A point p of the top satisfies ``x p[0] + y p[1] <= offset``, where
+        edges: a triple (x, y, offset) for each edge. A point p of the top satisfies ``x p[0] + y p[1] <= offset``.
             (x, y) is the outward unit normal of the edge, and the offset is in metres.
     """
 

@@ -48,8 +48,8 @@ class ContactRules:
 
     Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens with
     this role in all instances of the block. For example, tokens that rest may touch each other. `FLOOR` stands for the
-    floor, for every place with a body, and for the fixed body on which the token rests. A condition with a wildcard stands for every token for which the condition holds at
-    the time of the contact.
+    floor, for every place with a body, and for the fixed body on which the token rests. A condition with a wildcard
+    stands for every token for which the condition holds at the time of the contact.
     """
 
     def __init__(

@@ -37,6 +37,11 @@ class Ground:
         """The surface in words, e.g. ``the top of table``."""
         return f"the top of {self.body}" if self.body else "the floor"
 
+    @property
+    def edge(self) -> str:
+        """The edge of the surface in words, e.g. ``the edge of table``."""
+        return f"the edge of {self.body or 'the floor'}"
+
     def depth(self, points: FloatArray) -> FloatArray:
         """Return how deep points ``(..., 2)`` [m] lie within the edges of the surface, shape ``(...)`` [m]."""
         return np.full(points.shape[:-1], np.inf) if self.top is None else self.top.depth(points)

@@ -16,7 +16,6 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
 
 
-
 def find_unlaid(disc: Token, radius: float, state: State, tokens: Iterable[Token]) -> str | None:
     """Return an error message if a level disc lies neither on the floor nor on a level top, otherwise None.
 

@@ -10,6 +10,8 @@ GOAL = "goal"
 """Text that stands for the goal where the name of an instance is expected."""
 CLEAR = "clear"
 """Name of the condition that a movement hits no body that takes no part in the movement."""
+ON_TOP = "on_top"
+"""Name of the condition that a body which moves along the top of a table stays on this table."""
 
 MeasureKey = tuple[str, str]
 """Pair of (instance, performance measure)."""
@@ -78,7 +80,7 @@ class Shortfall:
         atom: condition that fails.
         unit: unit of the margin.
         margin: signed margin of the condition [unit].
-        remark: why nothing avoids a collision. Empty for other conditions.
+        remark: why nothing avoids a collision, or where a body leaves a table. Empty for other conditions.
     """
 
     where: str
@@ -94,6 +96,9 @@ class Shortfall:
             moving, other = self.atom.arguments
             hit = f"{moving} hits {other}, {-self.margin:.3g} m deep" if self.margin else f"{moving} meets {other}"
             return f"{hit}, {self.remark}" if self.remark else hit
+        if self.atom.predicate == ON_TOP:
+            thing, table = self.atom.arguments
+            return f"{thing} leaves the top of {table}: it reaches {-self.margin:.3g} m beyond the edge {self.remark}"
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
 

@@ -1,5 +1,7 @@
 """Facts about what an object rests on, and what rests on the object."""
 
+import numpy as np
+
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.predicate import Parameter, Predicate
 from hybrid_tamp.model.state import State
@@ -40,22 +42,33 @@ FREE_TO_MOVE = competence(
 
 
 def level_with(movable: type[ObjectClass]) -> Predicate:
-    """Return the feasibility fact `level_with` (object, region): a region has the height of the object's ground."""
+    """Return the feasibility fact `level_with` (object, region): a region lies on the surface on which an object rests.
+
+    The top of a table is convex. So an object that rests on a table stays on it on its way to such a region.
+    """
 
     def above(state: State, thing: Token, region: Token) -> FloatArray:
         """Return the height ``(...)`` [m] of the region above the ground of the object."""
         return state[region, "position"][..., 2] - thing.ground.height
 
+    def margin(state: State, thing: Token, region: Token) -> FloatArray:
+        """Return the smaller of the closeness in height and of the depth within the edges of the surface [m]."""
+        depth = thing.ground.depth(state[region, "position"][..., :2])
+        return np.asarray(np.minimum(_LEVEL - np.abs(above(state, thing, region)), depth))
+
     def describe(state: State, thing: Token, region: Token) -> str:
         height = float(above(state, thing, region))
-        return f"{region.name} lies {abs(height):.3g} m {'above' if height > 0 else 'below'} {thing.ground.text}"
+        if abs(height) > _LEVEL:
+            return f"{region.name} lies {abs(height):.3g} m {'above' if height > 0 else 'below'} {thing.ground.text}"
+        beyond = -float(margin(state, thing, region))
+        return f"the middle of {region.name} is {beyond:.3g} m beyond {thing.ground.edge}"
 
     return competence(
         "level_with",
         (Parameter("object", movable), Parameter("region", Region)),
-        lambda state, *values: _LEVEL - abs(above(state, *values)),
+        margin,
         reads={"region": ("position",)},
         detail=describe,
-        description="{region} has the height of the surface on which {object} rests",
-        denial="{region} does not have the height of the surface on which {object} rests",
+        description="{region} lies on the surface on which {object} rests",
+        denial="{region} does not lie on the surface on which {object} rests",
     )
