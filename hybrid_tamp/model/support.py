@@ -74,7 +74,7 @@ def find_ground(token: Token, state: State, tokens: Iterable[Token]) -> Ground:
         state: the state, without batch dimensions.
         tokens: all tokens of the task.
     """
-    if not _is_body(token, state) or token.fixed_body or token.basic_actions:
+    if not is_body(token, state) or token.fixed_body or token.basic_actions:
         return ON_FLOOR
     lowest = lowest_height(_body(token, state))
     if lowest <= CONTACT:
@@ -104,14 +104,15 @@ def _falls(token: Token, state: State, tokens: Iterable[Token]) -> Iterator[tupl
     body = _body(token, state)
     most = lowest_height(body)
     for other in tokens:
-        if other.name == token.name or not _is_body(other, state) or pass_through(token, other):
+        if other.name == token.name or not is_body(other, state) or pass_through(token, other):
             continue
         fall = _fall(body, _body(other, state), most)
         if fall < np.inf:
             yield fall, other
 
 
-def _is_body(token: Token, state: State) -> bool:
+def is_body(token: Token, state: State) -> bool:
+    """Return whether a token has a shape and a pose."""
     placed_by = {(token.name, "position"), (token.name, "orientation")}
     return token.shape is not None and placed_by <= state.layout.slices.keys()
 

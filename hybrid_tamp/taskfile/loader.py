@@ -20,7 +20,7 @@ from hybrid_tamp.taskfile.places import Faults, KeyPath
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.safety import read_safety
-from hybrid_tamp.taskfile.starts import check_starts, put_on_grounds
+from hybrid_tamp.taskfile.starts import check_starts, check_still, put_on_grounds
 from hybrid_tamp.taskfile.tokens import read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
@@ -44,9 +44,11 @@ def load_task(
         check_planner: function that checks the name of the planner in the file. If None, the name is not checked.
 
     Raises:
-        InputError: the file has faults; the issues list all faults with their lines and columns, in order.
+        InputError: the file has faults; the issues list all faults with their lines and columns, in order. Or a fixed
+            body of a task has a velocity.
     """
     if isinstance(source, Task):
+        check_still(source)
         tokens = with_grounds(source.tokens, source.state)
         return source if tokens == source.tokens else source.replaced(tokens=tokens)
     path = source if isinstance(source, Path) else find_task_file(source)

@@ -4,12 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, placed
 from hybrid_tamp.geometry.overlaps import overlaps
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.support import find_floating, with_grounds
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
@@ -46,6 +48,23 @@ def put_on_grounds(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
     sound, state = _sound(data, faults, scene)
     changed = {token.name: token for token in with_grounds(sound, state)}
     scene.tokens = [changed.get(token.name, token) for token in scene.tokens]
+
+
+def check_still(task: Task) -> None:
+    """Check that no fixed body of a task has a velocity. In a task file, no body can have an initial velocity.
+
+    Raises:
+        InputError: a fixed body has a velocity; the issues list all of them.
+    """
+    moving = [
+        Issue(f"token {token.name}", f"a fixed body must have no {name}", f"{np.linalg.norm(value):.3g} {unit}")
+        for token in task.tokens
+        if token.fixed_body
+        for name, unit in (("velocity", "m/s"), ("angular_velocity", "rad/s"))
+        if (token.name, name) in task.state.layout.slices and np.any(value := task.state[token, name])
+    ]
+    if moving:
+        raise InputError(moving)
 
 
 def _sound(data: dict[str, Any], faults: Faults, scene: Scene) -> tuple[list[Token], State]:
