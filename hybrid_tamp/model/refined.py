@@ -80,7 +80,9 @@ class Shortfall:
         atom: condition that fails.
         unit: unit of the margin.
         margin: signed margin of the condition [unit].
-        remark: why nothing avoids a collision, or where a body leaves a table. Empty for other conditions.
+        remark: why nothing avoids a collision. Empty for other conditions.
+        place: where a collision is deepest, or where a body leaves a table [m]. None for other conditions.
+        proven: whether the binding fails with all hyperparameters and paths. A failed search proves nothing.
     """
 
     where: str
@@ -88,17 +90,21 @@ class Shortfall:
     unit: str
     margin: float
     remark: str = ""
+    place: tuple[float, float, float] | None = None
+    proven: bool = False
 
     @property
     def text(self) -> str:
         """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
+        where = "" if self.place is None else f" at ({', '.join(f'{each + 0.0:.2f}' for each in self.place)})"
         if self.atom.predicate == CLEAR:
             moving, other = self.atom.arguments
             hit = f"{moving} hits {other}, {-self.margin:.3g} m deep" if self.margin else f"{moving} meets {other}"
+            hit += where
             return f"{hit}, {self.remark}" if self.remark else hit
         if self.atom.predicate == ON_TOP:
             thing, table = self.atom.arguments
-            return f"{thing} leaves the top of {table}: it reaches {-self.margin:.3g} m beyond the edge {self.remark}"
+            return f"{thing} leaves the top of {table}: it reaches {-self.margin:.3g} m beyond the edge{where}"
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
 

@@ -7,7 +7,9 @@ meanwhile, by bisection on distances (`collision.sweeps`). Contacts that the blo
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from hybrid_tamp.collision.bodies import Body, Pose, bodies_of, bound_distance, find_nearest, pose_of
+import numpy as np
+
+from hybrid_tamp.collision.bodies import Body, Nearest, Pose, bodies_of, bound_distance, find_nearest, pose_of
 from hybrid_tamp.collision.sweeps import Clearance, Track, find_clearance
 from hybrid_tamp.midlevel.predictions import Trace
 from hybrid_tamp.model.contacts import ContactRules
@@ -60,14 +62,21 @@ class Sweep:
                 best = find_clearance([track], [(each.body, each.pose)], limit=limit) or best
         return best
 
+    def place_of(self, hit: Clearance) -> tuple[float, float, float]:
+        """Return the place of a collision, which is the middle between the nearest points of the bodies' cores [m]."""
+        x, y, z = (float(each) for each in self._find_nearest(hit, hit.phase).points.mean(axis=0))
+        return x, y, z
+
     def ends_inside(self, hit: Clearance) -> bool:
         """Return whether the two bodies of a collision overlap at the end of the movement."""
-        return any(
-            find_nearest(track.body, track.at(len(track.positions) - 1.0), each.body, each.pose).distance < 0
-            for track, neighbours in zip(self.tracks, self.neighbours, strict=True)
-            for each in neighbours
-            if (track.body.name, each.body.name) == (hit.moving, hit.other)
-        )
+        return self._find_nearest(hit, np.inf).distance < 0
+
+    def _find_nearest(self, hit: Clearance, phase: float) -> Nearest:
+        """Return the distance of the bodies of a collision at a phase, or at the end of the movement."""
+        index = next(i for i, track in enumerate(self.tracks) if track.body.name == hit.moving)
+        track = self.tracks[index]
+        other = next(each for each in self.neighbours[index] if each.body.name == hit.other)
+        return find_nearest(track.body, track.at(min(phase, len(track.positions) - 1.0)), other.body, other.pose)
 
 
 def find_sweeps(task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER) -> Iterator[Sweep]:

@@ -31,7 +31,7 @@ class Overhang:
         thing: name of the body.
         table: name of the body below.
         beyond: distance of the resting body from the edge [m].
-        place: position at which this happens [m], shape ``(2,)``.
+        place: position of the body [m], shape ``(3,)``.
     """
 
     instance: str
@@ -55,7 +55,7 @@ def find_overhang(task: Task, movements: Iterable[Sweep]) -> Overhang | None:
             bad = np.flatnonzero(depths < min(float(depths[0]), 0.0) - _TOLERANCE)
             if len(bad):
                 row = int(bad[0])
-                place = track.positions[row][:2]
+                place = track.positions[row]
                 return Overhang(movement.instance.name, thing.name, thing.ground.body, -float(depths[row]), place)
     return None
 
