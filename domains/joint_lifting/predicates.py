@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, State, Token
 from hybrid_tamp.skills import (
+    FREE_TO_MOVE,
     POSE,
     UP,
     StaticEndEffector,
@@ -179,5 +180,5 @@ GRIPPABLE = competence(
 HEAVY_ENOUGH = heavy_enough(Liftable, _LEAST_WEIGHT, "lift", "tilt it instead of lifting it")
 OF_HAND = (BEARS, WITHIN_REACH, FITS, UPRIGHT)
 """Feasibility facts about each hand of a crew and the box."""
-OF_BOX = (GRIPPABLE, HEAVY_ENOUGH)
+OF_BOX = (GRIPPABLE, HEAVY_ENOUGH, FREE_TO_MOVE)
 """Feasibility facts about the box."""
