@@ -34,6 +34,7 @@
     (in-resting right-hand)
     (in_workspace left-hand)
     (in_workspace right-hand)
+    (inside crate no-region-of-inside)
     (next n1 n2)
     (next none-reading n1)
     (on_side left-hand crate left)
