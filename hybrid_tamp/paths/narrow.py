@@ -1,5 +1,7 @@
 """Narrow places: how close bodies may come there, and corners that stay clear of bodies when they are rounded."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from hybrid_tamp.motion.arrays import FloatArray
@@ -7,7 +9,7 @@ from hybrid_tamp.motion.curves import round_corners
 from hybrid_tamp.paths.free_space import FreeSpace
 
 SMALLEST_MARGIN = 0.003
-"""Smallest distance from other bodies that a path through a narrow place keeps [m], as an allowance for servo errors."""
+"""Smallest distance from other bodies on a path through a narrow place [m], as an allowance for servo errors."""
 _FARTHEST = 0.1
 """Largest displacement of a narrow place along each axis [m]."""
 _STEPS = (0.04, 0.02, 0.01, 0.005, 0.0025)
@@ -15,12 +17,13 @@ _STEPS = (0.04, 0.02, 0.01, 0.005, 0.0025)
 _SHARE = 0.5
 """Ratio of the kept distance to the largest one in a narrow place. The rest is room for the search."""
 _REFINEMENTS = 3
+"""Largest number of times that corners are added."""
 
 
 def find_widest(space: FreeSpace, place: FloatArray) -> tuple[FloatArray, FreeSpace | None]:
-    """Return the position ``(3,)`` [m] near a narrow place with the most room, and the free space for a path through it.
+    """Return the position ``(3,)`` [m] near a narrow place with the most room, and the free space for a path there.
 
-    If the room is small, the margins of the free space are smaller than usual. The free space is None if the bodies do
+    If the room is small, the margins of this free space are smaller than usual. The free space is None if the bodies do
     not fit.
 
     Raises:
@@ -51,7 +54,7 @@ def refine_corners(space: FreeSpace, path: FloatArray) -> FloatArray:
         refined = [path[:1]]
         for before, corner, after in zip(path[:-2], path[1:-1], path[2:], strict=True):
             rounded = round_corners(np.array([before, corner, after]))[1:-1]
-            if all(space.is_free(one, other) for one, other in zip(rounded[:-1], rounded[1:], strict=True)):
+            if all(space.is_free(one, other) for one, other in pairwise(rounded)):
                 refined.append(corner[None])
             else:
                 # The rounding replaces at most half of each leg.

@@ -108,7 +108,8 @@ def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], 
         batch = position.shape[:-1]
         state = State(world.layout, np.broadcast_to(world.values, (*batch, world.values.shape[-1])))
         state = state.replace({(name, "position"): position + offset for name, offset in offsets.items()})
-        return np.min([each.margin(state, binding) for each in literals] or [np.full(batch, np.inf)], axis=0)
+        margins = [each.margin(state, binding) for each in literals]
+        return np.asarray(np.min(margins, axis=0) if margins else np.full(batch, np.inf))
 
     return admits
 

@@ -16,19 +16,22 @@ _HALF_THICKNESS, _HEIGHT = 0.05, 1.6
 """Half thickness and height of the wall [m]. No hand can carry the box over the wall."""
 _HALF_LENGTH = 2.0
 """Half length of each part of the wall [m]. No hand can carry the box around the wall."""
-GAPS = (1.2, 2.0)
-"""Smallest and largest width of a gap as a multiple of the width of the box."""
 _REACH = 2.5
 """Half edge of the workspace of each hand [m]."""
 
 
-def random_carrying(seed: int, hands: int = 2, gaps: tuple[float, float] = GAPS) -> Task:
+def random_carrying(seed: int, hands: int = 2, gaps: tuple[float, float] = (1.2, 2.0)) -> Task:
     """Return a task in which hands carry a box through a gap in a wall, and set it down in a region.
 
     The box and the hands are those of `random_lifting`. The wall is across the way, U(0.85, 1.1) m from the origin.
-    Its gap is U(1.2, 2) times as wide as the box across the way, and U(-0.3, 0.3) m beside the box. The region is U(0.15, 0.35) m
-    behind the place at which the box has passed the wall, and U(-0.3, 0.3) m beside the gap. The whole scene has any
-    yaw.
+    Across the way, its gap is U(1.2, 2) times as wide as the box, and U(-0.3, 0.3) m beside the box. The region is
+    U(0.15, 0.35) m behind the place at which the box has passed the wall, and U(-0.3, 0.3) m beside the gap. The whole
+    scene has any yaw.
+
+    Args:
+        seed: seed of the task.
+        hands: number of hands, two or four.
+        gaps: smallest and largest width of the gap as a multiple of the width of the box.
     """
     rng = np.random.default_rng([seed, 5])
     lifting = random_lifting(seed, hands)
