@@ -1,7 +1,7 @@
 """Joint lifting (paper, Sec. II-E): several hands together lift an object that is too heavy for fewer hands.
 
-Modules, in reading order: `places`, `classes`, `load`, `predicates`, `bearing`, `lifting` (LIFTING, HOLDING and
-LOWERING). `hybrid_tamp.skills` provides REACHING (D5) and RESTING (D6).
+Modules, in reading order: `places`, `classes`, `load`, `predicates`, `bearing`, `together`, `lifting` (LIFTING, HOLDING
+and LOWERING), `carrying` (CARRYING). `hybrid_tamp.skills` provides REACHING (D5) and RESTING (D6).
 """
 
 from collections.abc import Iterator
@@ -18,11 +18,13 @@ from hybrid_tamp.skills import (
     make_reaching,
 )
 
+from .carrying import carrying
 from .classes import Liftable
-from .lifting import BEARING, MODES
+from .lifting import holding, lifting, lowering
 from .metrics import CONTROLLED, metrics
 from .places import PLACE, place_at, places_of
 from .predicates import AT_PLACE, FITS, STANDS, UPRIGHT, WITHIN_REACH
+from .together import MODES
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -40,7 +42,9 @@ def _edges() -> Iterator[tuple[str, str]]:
     for mode, crew in MODES.items():
         hands = [slot for slot, _ in places_of(crew)]
         yield from ((f"LIFTING:{mode}.{slot}", f"HOLDING:{mode}.{slot}") for slot in (*hands, "object"))
-        yield from ((f"HOLDING:{mode}.{slot}", f"LOWERING:{mode}.{slot}") for slot in (*hands, "object"))
+        yield from ((f"LIFTING:{mode}.{slot}", f"CARRYING:{mode}.{slot}") for slot in (*hands, "object"))
+        for held in ("HOLDING", "CARRYING"):
+            yield from ((f"{held}:{mode}.{slot}", f"LOWERING:{mode}.{slot}") for slot in (*hands, "object"))
         yield from (("REACHING.hand", f"LIFTING:{mode}.{slot}") for slot in hands)
         yield from ((f"LOWERING:{mode}.{slot}", "REACHING.hand") for slot in hands)
         yield from ((f"LOWERING:{mode}.{slot}", "RESTING.token") for slot in hands)
@@ -53,7 +57,8 @@ _BESIDE = ReachGoal(
     arrived=conditions((AT_PLACE,)),
     lasting=conditions((STANDS,)),
 )
-_BLOCKS = (make_reaching(_BESIDE, "place"), *BEARING, RESTING)
+_BEARING = tuple(make(mode) for make in (lifting, holding, carrying, lowering) for mode in MODES)
+_BLOCKS = (make_reaching(_BESIDE, "place"), *_BEARING, RESTING)
 
 DOMAIN = Domain(
     name="joint_lifting",

@@ -1,4 +1,4 @@
-"""Policy and forward model that LIFTING, HOLDING and LOWERING share, for hands that bear a box between them.
+"""Policy and forward models of hands that bear a box between them.
 
 The policy is that of `hybrid_tamp.skills.press`. Each hand also bears its share of the weight. The stiffness of a hand
 is smaller along the normal of its face. Only friction joins a hand to the box: each hand bears at most mu times its
@@ -19,7 +19,21 @@ from hybrid_tamp.authoring import (
     Policy,
     State,
 )
-from hybrid_tamp.skills import UP, Pressure, Reference, dot, force_on, gap_to_face, meet_face, normal, press
+from hybrid_tamp.skills import (
+    UP,
+    Pressure,
+    Reference,
+    dot,
+    driven_velocity,
+    force_on,
+    gap_to_face,
+    meet_face,
+    norm,
+    normal,
+    press,
+    stop_at_face,
+    touches_face,
+)
 
 from .load import friction, load
 from .places import Roles, height
@@ -40,17 +54,15 @@ def bear(roles: Roles, start: State, parameters: Parameters, gaps: Sequence[Floa
         start: state at the beginning of the movement.
         parameters: parameters with the hyperparameter ``squeeze``.
         gaps: distance ``(...)`` [m] that each hand moves towards its face.
-        course: maps the elapsed time ``(...)`` [s] to six quantities ``(...)``: the closed fraction of the gap between
+        course: maps the elapsed time ``(...)`` [s] to six quantities: the closed fraction of the gap between
             hand and face, its rate [1/s], the applied fraction of the squeeze, the supported fraction of the weight of
-            the box, the planned height of the box above its initial height [m], and the rate of this height [m/s].
+            the box, the planned displacement of the box ``(..., 3)`` [m], and its velocity ``(..., 3)`` [m/s].
     """
     weight = load(roles.thing, roles.crew) * UP
 
     def plan(elapsed: FloatArray, state: State) -> Pressure:
-        closed, closing, grip, loaded, rise, rising = course(elapsed)
-        return Pressure(
-            closed, closing, grip, UP * rise[..., None], UP * rising[..., None], bearing=weight * loaded[..., None]
-        )
+        closed, closing, grip, loaded, moved, moving = course(elapsed)
+        return Pressure(closed, closing, grip, moved, moving, bearing=weight * loaded[..., None])
 
     squeeze = np.asarray(parameters.hyperparameters["squeeze"])
     return press(roles.contacts, roles.thing, start, gaps, squeeze, plan, softness=_SOFTNESS)
@@ -96,3 +108,57 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
         return state.replace(changes)
 
     return system
+
+
+def carried_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
+    """Return the system in which Coulomb friction joins the hands to a box that moves in all directions.
+
+    The box keeps its orientation, and stops at the floor. The bodies that press on each other meet without a bounce, so
+    they have a common velocity unless a hand slips along its face.
+    """
+    roles = Roles.of(crew, binding)
+    thing, mass, coefficient = roles.thing, roles.thing["mass"], friction(roles.thing)
+
+    def system(state: State, commands: Commands, dt: float) -> State:
+        lowest = -height(state, thing) / dt
+        """Vertical velocity [m/s] with which the box reaches the floor at the end of this step."""
+        falling = state[thing, "velocity"] - GRAVITY * dt * UP
+        moved = []
+        momentum, total = mass * falling, mass * np.ones_like(lowest)
+        for hand, face in roles.contacts:
+            outward, gap = normal(state, thing, face), gap_to_face(state, hand, thing, face)
+            velocity = driven_velocity(hand, state, commands, dt)
+            pressing = np.where(touches_face(gap), -dot(force_on(hand, state, commands), outward), 0.0)
+            joined = np.where(pressing > 0.0, hand["mass"], 0.0)
+            momentum, total = momentum + joined[..., None] * velocity, total + joined
+            moved.append((hand, outward, gap, velocity, joined))
+        common = _not_below(momentum / total[..., None], lowest)
+        changes: dict[tuple[str, str], FloatArray] = {}
+        given = np.zeros_like(common)
+        for hand, outward, gap, velocity, joined in moved:
+            impulse = _passed_on(joined[..., None] * (velocity - common), outward, coefficient)
+            given = given + impulse
+            left = velocity - impulse / hand["mass"]
+            after = common + stop_at_face(left - common, outward, gap, dt)
+            changes[hand.name, "velocity"] = after
+            changes[hand.name, "position"] = state[hand, "position"] + after * dt
+        carried = _not_below(falling + given / mass, lowest)
+        changes[thing.name, "position"] = state[thing, "position"] + carried * dt
+        changes[thing.name, "velocity"] = carried
+        changes[thing.name, "angular_velocity"] = np.zeros_like(state[thing, "angular_velocity"])
+        return state.replace(changes)
+
+    return system
+
+
+def _passed_on(impulse: FloatArray, outward: FloatArray, coefficient: float) -> FloatArray:
+    """Return the part ``(..., 3)`` [N s] of an impulse of a hand that Coulomb friction passes on to a face."""
+    inward = np.maximum(-dot(impulse, outward), 0.0)[..., None]
+    along = impulse - dot(impulse, outward)[..., None] * outward
+    most = coefficient * inward / np.maximum(norm(along)[..., None], 1e-12)
+    return np.asarray(along * np.minimum(most, 1.0) - outward * inward)
+
+
+def _not_below(velocity: FloatArray, lowest: FloatArray) -> FloatArray:
+    """Return a velocity ``(..., 3)`` [m/s] with a limited rate of descent."""
+    return np.asarray(velocity + UP * np.maximum(lowest - velocity[..., 2], 0.0)[..., None])

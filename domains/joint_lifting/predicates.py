@@ -5,15 +5,19 @@ import numpy as np
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, State, Token
 from hybrid_tamp.skills import (
     FREE_TO_MOVE,
+    HORIZONTAL,
     POSE,
     UP,
+    Region,
     StaticEndEffector,
     at_place,
     bears_share,
     competence,
     gap_to_face,
     heavy_enough,
+    inside,
     length_predicate,
+    level_with,
     within_reach,
     z_axis,
 )
@@ -35,6 +39,7 @@ _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Liftable)
 _PLACE = Parameter("place", PLACE)
 _CREW = Parameter("crew", CREW)
+_REGION = Parameter("region", Region)
 RAISED_HEIGHT = 0.1
 """Smallest height of the lowest point of a raised box above the floor [m]."""
 LOWEST_LIFT = 0.11
@@ -86,6 +91,17 @@ def _lowest_lift(state: State, hand: Token, thing: Token, place: str) -> list[Fl
     return [beside, beside + LOWEST_LIFT * UP]
 
 
+def destination(state: State, thing: Token, region: Token) -> FloatArray:
+    """Return the position ``(..., 3)`` [m] of a box above the middle of a region, at the present height of the box."""
+    return np.asarray(state[region, "position"] * HORIZONTAL + state[thing, "position"] * UP)
+
+
+def _lift_at(state: State, hand: Token, thing: Token, place: str, region: Token) -> list[FloatArray]:
+    """Return the positions ``(..., 3)`` [m] of a hand before and after the lowest lift of a box from a region."""
+    there = state.replace({(thing.name, "position"): destination(state, thing, region)})
+    return _lowest_lift(there, hand, thing, place)
+
+
 def _room(hand: Token, thing: Token, place: str) -> float:
     """Return the smaller of two margins [m]: the spare width of the face, and the spare length of the contact line."""
     _, half_y, half_z = thing["half_extents"]
@@ -134,6 +150,9 @@ CLEAR_OF = length_predicate(
     description="{hand} has released {object}",
     denial="{hand} has not released {object}",
 )
+# A box may be held above a region at any height, so the region confines the box to no disc of known thickness.
+INSIDE = inside(Liftable, confines=None)
+LEVEL_WITH = level_with(Liftable)
 UPRIGHT = competence(
     "upright",
     (_HAND,),
@@ -151,6 +170,15 @@ WITHIN_REACH = within_reach(
     reads={"object": POSE},
     description="the {place} of {object} is in the workspace of {hand} throughout the lowest lift",
     denial="the {place} of {object} leaves the workspace of {hand} even during the lowest lift",
+)
+DESTINATION_WITHIN_REACH = within_reach(
+    "destination_within_reach",
+    (_HAND, _OBJECT, _PLACE, _REGION),
+    _lift_at,
+    # A carried box keeps its orientation, and the height above the floor does not matter.
+    reads={"object": ("orientation",), "region": ("position",)},
+    description="the {place} of {object} stays in the workspace of {hand} when {object} is in {region}",
+    denial="the {place} of {object} leaves the workspace of {hand} when {object} is in {region}",
 )
 FITS = competence(
     "fits",

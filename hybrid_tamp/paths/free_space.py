@@ -5,7 +5,7 @@ sum of the slacks at its ends exceeds its length. Otherwise, the segment is divi
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -55,32 +55,56 @@ class Obstacle:
     margin: float
 
 
+@dataclass
+class Count:
+    """A count of checked positions, which several free spaces may share.
+
+    Attributes:
+        most: largest number of checks.
+        done: number of positions that were checked.
+    """
+
+    most: int
+    done: int = 0
+
+
 class FreeSpace:
     """The free space of bodies that move together without turning.
 
     Attributes:
-        checks: number of positions that were checked.
-        most: largest number of checks.
+        carried: the moving bodies.
+        obstacles: the bodies at rest.
+        admits: function of positions ``(..., 3)`` that returns the least margins ``(...)`` of further conditions [m].
     """
 
     def __init__(
         self,
         carried: Sequence[Carried],
         obstacles: Sequence[Obstacle],
-        admits: Callable[[FloatArray], float],
-        most: int,
+        admits: Callable[[FloatArray], FloatArray],
+        most: int | Count,
     ) -> None:
         """Create the free space.
 
         Args:
             carried: the moving bodies.
             obstacles: the bodies at rest.
-            admits: function of a position ``(3,)`` that returns the least margin of further conditions there [m], e.g.
-                that the hand is in its workspace. The margin must not change faster than the position.
-            most: largest number of checks.
+            admits: function of positions ``(..., 3)`` that returns the least margins ``(...)`` of further conditions
+                there [m], e.g. that the hand is in its workspace. A margin must not change faster than the position.
+            most: largest number of checks, or a count that the space shares with other spaces.
         """
-        self._carried, self._obstacles, self._admits = tuple(carried), tuple(obstacles), admits
-        self.checks, self.most = 0, most
+        self.carried, self.obstacles, self.admits = tuple(carried), tuple(obstacles), admits
+        self._count = Count(most) if isinstance(most, int) else most
+
+    @property
+    def checks(self) -> int:
+        """Number of positions that were checked."""
+        return self._count.done
+
+    def narrowed(self, margin: float) -> "FreeSpace":
+        """Return the free space with margins of at most `margin` [m]. Both spaces count their checks together."""
+        obstacles = [replace(each, margin=min(each.margin, margin)) for each in self.obstacles]
+        return FreeSpace(self.carried, obstacles, self.admits, self._count)
 
     def slack(self, position: FloatArray) -> float:
         """Return a lower bound of how far the reference point at a position ``(3,)`` can move and stay free [m].
@@ -90,18 +114,18 @@ class FreeSpace:
         Raises:
             OutOfChecks: the largest number of checks is reached.
         """
-        if self.checks >= self.most:
+        if self._count.done >= self._count.most:
             raise OutOfChecks
-        self.checks += 1
-        least = self._admits(position)
-        for carried in self._carried:
+        self._count.done += 1
+        least = np.inf
+        for carried in self.carried:
             pose = carried.at(position)
-            for obstacle in self._obstacles:
+            for obstacle in self.obstacles:
                 bound = bound_distance(carried.body, pose, obstacle.body, obstacle.pose) - obstacle.margin
                 if bound < least:
                     nearest = find_nearest(carried.body, pose, obstacle.body, obstacle.pose)
                     least = min(least, nearest.distance - obstacle.margin)
-        return least
+        return min(least, float(self.admits(position))) if least > 0.0 else least
 
     def is_free(self, begin: FloatArray, end: FloatArray) -> bool:
         """Return whether the straight segment between two positions ``(3,)`` is free.

@@ -1,7 +1,8 @@
 """Paths through free space by sampling: RRT-Connect (Kuffner and LaValle 2000) of the library OMPL.
 
-A query counts the checked positions and never reads a clock. Each query has its own seed. So equal queries have equal
-paths, whatever the load of the computer. A search that finds no path proves nothing.
+If a short search finds no path, the path leads through the narrowest place on the way (`narrow`), and if this fails,
+too, a long search follows. A query counts the checked positions and never reads a clock. Each query has its own seed.
+So equal queries have equal paths, whatever the load of the computer. A search that finds no path proves nothing.
 """
 
 from typing import Any
@@ -10,12 +11,18 @@ import numpy as np
 
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.paths.free_space import FreeSpace, OutOfChecks
+from hybrid_tamp.paths.grid import Grid
+from hybrid_tamp.paths.narrow import find_widest, refine_corners
 
 _RANGE = 0.5
 """Longest segment of the search trees [m]."""
 _REDUCTIONS = 30
 _SHORTCUTS = 60
 """Numbers of steps in which a path is shortened."""
+_SHORT = 2_000
+"""Number of checks after which a short search ends."""
+_GAPS = 3
+"""Largest number of narrow places that are tried."""
 _QUESTIONS = 20_000
 """Largest number of iterations of the search, because an iteration need not check a position."""
 
@@ -34,16 +41,41 @@ def find_path(
         seed: seed of the query.
     """
     try:
-        if space.is_free(start, goal):
-            return np.array([start, goal])
         if min(space.slack(start), space.slack(goal)) <= 0.0:
             return None
-        return _search(space, start, goal, np.array([lower, upper]), seed)
+        box = np.array([lower, upper])
+        path = _search(space, start, goal, box, seed, _SHORT)
+        if path is None:
+            path = _search_through_gap(space, start, goal, box, seed)
+        return _search(space, start, goal, box, seed) if path is None else path
     except OutOfChecks:
         return None
 
 
-def _search(space: FreeSpace, start: FloatArray, goal: FloatArray, box: FloatArray, seed: int) -> FloatArray | None:
+def _search_through_gap(
+    space: FreeSpace, start: FloatArray, goal: FloatArray, box: FloatArray, seed: int
+) -> FloatArray | None:
+    """Return the corners of a path through the narrowest place on the way, or None."""
+    grid = Grid(space, start, goal, *box)
+    for _ in range(_GAPS):
+        cell = grid.find_narrowest(start, goal)
+        if cell is None:
+            return None
+        place, tight = find_widest(space, cell)
+        if tight is not None:
+            halves = [_search(tight, *ends, box, seed, _SHORT) for ends in ((start, place), (place, goal))]
+            if halves[0] is not None and halves[1] is not None:
+                return refine_corners(tight, np.concatenate([halves[0], halves[1][1:]]))
+        grid.close(cell, 2.0 * grid.edge)
+    return None
+
+
+def _search(
+    space: FreeSpace, start: FloatArray, goal: FloatArray, box: FloatArray, seed: int, most: float = np.inf
+) -> FloatArray | None:
+    """Return the corners of a path, or None if the search finds no path within `most` checks."""
+    if space.is_free(start, goal):
+        return np.array([start, goal])
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -63,8 +95,8 @@ def _search(space: FreeSpace, start: FloatArray, goal: FloatArray, box: FloatArr
     planner = geometric.RRTConnect(information)
     planner.setRange(_RANGE)
     setup.setPlanner(planner)
-    asked = iter(range(_QUESTIONS))
-    stop = base.PlannerTerminationCondition(lambda: next(asked, None) is None)
+    asked, last = iter(range(_QUESTIONS)), space.checks + most
+    stop = base.PlannerTerminationCondition(lambda: next(asked, None) is None or space.checks >= last)
     setup.solve(stop)
     if not setup.haveExactSolutionPath():
         return None

@@ -12,6 +12,7 @@ import numpy as np
 
 from hybrid_tamp.collision.bodies import find_nearest
 from hybrid_tamp.collision.sweeps import Track
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.paths.free_space import Carried, FreeSpace, Obstacle
@@ -91,8 +92,11 @@ def _obstacles(movement: Sweep, lead: Track, clearance: float) -> Iterator[Obsta
         yield Obstacle(each.body, each.pose, min(clearance, min(ends) - _CLOSER))
 
 
-def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], float]:
-    """Return a function of the leader's position, which returns the least margin of the invariants on lengths [m]."""
+def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], FloatArray]:
+    """Return a function of positions ``(..., 3)`` of the leader.
+
+    The function returns the least margins ``(...)`` of the invariants on lengths [m].
+    """
     instance, world = movement.instance, movement.trace.world
     binding, moved = task.bind(instance.roles), [track.body.name for track in movement.tracks]
     literals = [
@@ -102,9 +106,12 @@ def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], 
     ]
     offsets = {name: world[name, "position"] - world[leader, "position"] for name in moved}
 
-    def admits(position: FloatArray) -> float:
-        state = world.replace({(name, "position"): position + offset for name, offset in offsets.items()})
-        return min((float(each.margin(state, binding)) for each in literals), default=np.inf)
+    def admits(position: FloatArray) -> FloatArray:
+        batch = position.shape[:-1]
+        state = State(world.layout, np.broadcast_to(world.values, (*batch, world.values.shape[-1])))
+        state = state.replace({(name, "position"): position + offset for name, offset in offsets.items()})
+        margins = [each.margin(state, binding) for each in literals]
+        return np.asarray(np.min(margins, axis=0) if margins else np.full(batch, np.inf))
 
     return admits
 

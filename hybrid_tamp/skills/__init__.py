@@ -85,6 +85,7 @@ from hybrid_tamp.skills.metrics import measure_grasp as measure_grasp
 from hybrid_tamp.skills.metrics import measure_instances as measure_instances
 from hybrid_tamp.skills.metrics import rows_of as rows_of
 from hybrid_tamp.skills.metrics import run_of as run_of
+from hybrid_tamp.skills.paths import curve_along as curve_along
 from hybrid_tamp.skills.predicates import AT_REST as AT_REST
 from hybrid_tamp.skills.predicates import IN_WORKSPACE as IN_WORKSPACE
 from hybrid_tamp.skills.predicates import REST_SPEED as REST_SPEED
@@ -106,6 +107,7 @@ from hybrid_tamp.skills.pressing import make_pressing as make_pressing
 from hybrid_tamp.skills.pressing import meet_face as meet_face
 from hybrid_tamp.skills.pressing import press as press
 from hybrid_tamp.skills.pressing import squeezing as squeezing
+from hybrid_tamp.skills.pressing import touches_face as touches_face
 from hybrid_tamp.skills.primitives import advance as advance
 from hybrid_tamp.skills.primitives import demonstrated_reach as demonstrated_reach
 from hybrid_tamp.skills.primitives import move_straight as move_straight

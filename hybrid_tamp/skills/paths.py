@@ -10,6 +10,16 @@ MEAN_SPEED = 0.4
 """Largest mean speed along a planned path [m/s]."""
 
 
+def curve_along(start: FloatArray, path: FloatArray | None, goal: FloatArray) -> Curve:
+    """Return the curve from start to goal, each ``(..., 3)`` [m], along the inner corners of a path ``(c, 3)`` [m].
+
+    Without a path, the curve is straight.
+    """
+    ends = start[..., None, :], goal[..., None, :]
+    inner = [] if path is None else [np.broadcast_to(path[1:-1], (*start.shape[:-1], len(path) - 2, 3))]
+    return Curve.through(np.concatenate([ends[0], *inner, ends[1]], axis=-2))
+
+
 def follow_path(
     start: FloatArray, path: FloatArray, goal: FloatArray, duration: FloatArray
 ) -> tuple[Reference, FloatArray]:
@@ -23,8 +33,7 @@ def follow_path(
         goal: final position ``(..., 3)`` [m], which replaces the last corner of the path.
         duration: duration ``(...)`` [s]. A movement whose mean speed would exceed `MEAN_SPEED` lasts longer.
     """
-    inner = np.broadcast_to(path[1:-1], (*start.shape[:-1], len(path) - 2, 3))
-    curve = Curve.through(np.concatenate([start[..., None, :], inner, goal[..., None, :]], axis=-2))
+    curve = curve_along(start, path, goal)
     time = np.asarray(np.maximum(duration, curve.length / MEAN_SPEED))
     profile = straight_profile()
     return lambda elapsed: curve.at(elapsed, time, profile), time

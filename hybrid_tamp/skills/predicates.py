@@ -164,8 +164,13 @@ def _disc(state: State, thing: Token, region: Token) -> Disc:
     return Disc((x, y), float(region["radius"]), lowest, highest)
 
 
-def inside(movable: type[ObjectClass]) -> Predicate:
-    """Return the predicate `inside` for objects of a class. An object is inside at most one region at a time."""
+def inside(movable: type[ObjectClass], confines: Callable[..., Disc] | None = _disc) -> Predicate:
+    """Return the predicate `inside` for objects of a class. An object is inside at most one region at a time.
+
+    Args:
+        movable: class of the objects.
+        confines: see `Predicate.confines`. By default, an object in a region has about its present height.
+    """
     return length_predicate(
         "inside",
         (Parameter("object", movable), Parameter("region", Region)),
@@ -173,7 +178,7 @@ def inside(movable: type[ObjectClass]) -> Predicate:
         reads={"object": ("position",), "region": ("position",)},
         kind=Kind.FUNCTIONAL,
         value_of="region",
-        confines=_disc,
+        confines=confines,
         distance=_distance,
         description="{object} is inside {region}",
         denial="{object} is not inside {region}",

@@ -128,6 +128,11 @@ def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArr
     return np.asarray(push + outward * np.maximum(inward - most, 0.0)[..., None])
 
 
+def touches_face(gap: FloatArray) -> FloatArray:
+    """Return whether ``(...)`` a hand touches a face at a gap ``(...)`` [m]."""
+    return np.asarray(gap <= _TOUCH)
+
+
 def meet_face(
     state: State, hand: Token, outward: FloatArray, gap: FloatArray, commands: Commands, dt: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -141,7 +146,7 @@ def meet_face(
         commands: commands of the hand.
         dt: time step [s].
     """
-    return stop_at_face(driven_velocity(hand, state, commands, dt), outward, gap, dt), np.asarray(gap <= _TOUCH)
+    return stop_at_face(driven_velocity(hand, state, commands, dt), outward, gap, dt), touches_face(gap)
 
 
 def squeezing(limits: Callable[[Binding], tuple[float, float, float]], most: float = 1e5) -> Hyperparameter:

@@ -29,7 +29,7 @@ def wall(x: float, y: float, halves: tuple[float, float, float], yaw: float = 0.
 
 def space_with(*obstacles: Obstacle, ceiling: float = 10.0, most: int = 20_000) -> FreeSpace:
     """Return the free space of a hand between a floor and a ceiling [m]."""
-    return FreeSpace([HAND], obstacles, lambda p: float(min(p[2] - 0.1, ceiling - p[2])), most)
+    return FreeSpace([HAND], obstacles, lambda p: np.minimum(p[..., 2] - 0.1, ceiling - p[..., 2]), most)
 
 
 def gap_along(path: FloatArray, obstacle: Obstacle) -> float:

@@ -26,7 +26,7 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 REDUCED = "roll_cylinder"
 CROSSINGS = {
     "rolling_tumbling": 7,
-    "joint_lifting": 2,
+    "joint_lifting": 30,
     "tool_use": 2,
     **{str(EXAMPLES / name / "domain.py"): 0 for name in ("sweeping", "drawer", "placing")},
 }

@@ -61,6 +61,7 @@
     (in_workspace a-right)
     (in_workspace b-left)
     (in_workspace b-right)
+    (inside crate no-region-of-inside)
     (next n1 n2)
     (next n2 n3)
     (next n3 n4)

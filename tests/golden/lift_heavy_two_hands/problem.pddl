@@ -37,6 +37,7 @@
     (in-resting right-hand)
     (in_workspace left-hand)
     (in_workspace right-hand)
+    (inside crate no-region-of-inside)
     (next n1 n2)
     (next none-reading n1)
     (readers crate none-reading)

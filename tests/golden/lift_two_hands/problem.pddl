@@ -39,6 +39,7 @@
     (in-resting right-hand)
     (in_workspace left-hand)
     (in_workspace right-hand)
+    (inside box no-region-of-inside)
     (next n1 n2)
     (next none-reading n1)
     (readers box none-reading)
