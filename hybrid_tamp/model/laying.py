@@ -5,7 +5,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from hybrid_tamp.geometry.common_volume import face_planes
-from hybrid_tamp.geometry.convex import reach_of
 from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.geometry.surfaces import hulls_of
 from hybrid_tamp.geometry.tops import find_tops
@@ -53,7 +52,7 @@ _DOWNWARDS = 0.7
 
 def _may_be_over(body: Token, state: State, point: FloatArray) -> bool:
     """Return whether a vertical line through a point meets the ball that contains a body."""
-    return float(np.hypot(*(state[body, "position"] - point)[:2])) <= reach_of(body.solid)
+    return float(np.hypot(*(state[body, "position"] - point)[:2])) <= body.reach
 
 
 def _find_below(bodies: Iterable[Token], state: State, centre: FloatArray) -> Ground:

@@ -72,8 +72,7 @@ class Predicate:
             displacements of the tokens by at most `radius` [m]. The radius can be infinite.
         confines: function ``confines(state, *values)`` that returns the `Disc` that must contain the first token.
         distance: function ``distance(state, *values)`` that returns the distance from the desired state [unit], >= 0.
-        detail: function ``detail(state, *values)`` that says why a static predicate does not hold, with names and
-            figures. None if the margin alone says enough.
+        detail: function ``detail(state, *values)`` that says why a static predicate does not hold, or None.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
@@ -185,10 +184,8 @@ class Predicate:
 
     def sentence(self, names: tuple[str, ...], positive: bool = True) -> str:
         """Return a sentence which says that an atom holds or does not hold, e.g. ``drum is within goal``."""
-        template = self.description if positive else self.denial
-        if not template:
-            return Atom(self.name, names, positive).text
-        return template.format(**{p.name: n for p, n in zip(self.parameters, names, strict=True)})
+        template, said = (self.description if positive else self.denial), zip(self.parameters, names, strict=True)
+        return template.format(**{p.name: n for p, n in said}) or Atom(self.name, names, positive).text
 
 
 def _symbols(parameter: Parameter) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from hybrid_tamp.errors import did_you_mean
+from hybrid_tamp.geometry.convex import reach_of
 from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
 from hybrid_tamp.model.ground import ON_FLOOR, Ground
@@ -130,6 +131,11 @@ class Token:
             return key
         except TypeError:
             return self.name
+
+    @cached_property
+    def reach(self) -> float:
+        """Radius of the ball around the origin of the body frame that contains the token [m]."""
+        return reach_of(self.solid)
 
     @property
     def place(self) -> bool:

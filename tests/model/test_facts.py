@@ -22,7 +22,8 @@ def test_feasibility_is_known_before_any_search() -> None:
     task = rolling_task()
     assert {atom for atom in static_facts(task) if task.token_by_name.keys() & set(atom.arguments)} == {
         Atom("lies_on_side", ("drum 0",)),
-        Atom("on_rolling_line", ("drum 0", "region 0")),
+        *(Atom(name, ("drum 0", "region 0")) for name in ("level_with", "on_rolling_line")),
+        *(Atom("free_to_move", (name,)) for name in ("drum 0", "hand 0")),
         Atom("within_workspace", ("hand 0", "drum 0", "region 0")),
         *(Atom(name, ("drum 0",)) for name in ("rolls", "stops", "wide_enough")),
         *(Atom(name, ("hand 0", "drum 0")) for name in ("able_to_roll", "rolls_steadily", "touches_axis")),
