@@ -21,6 +21,9 @@ def plan(
     domain: options.Domain = None,
     planner: options.Planner = None,
     objective: options.Objective = None,
+    draw: Annotated[
+        Path | None, typer.Option("--draw", metavar="FILE.png", help="picture of the movements (.png, .svg or .pdf)")
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for the files of the plan")] = None,
     force: options.Force = False,
     seed: options.Seed = None,
@@ -52,9 +55,11 @@ def plan(
             return
         with progress_bar() as tell:
             outcome = plan_task(
-                task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
+                task, settings, folder=output, force=force, optimise=optimise, draw=draw, planner=process, progress=tell
             )
     _show(outcome, as_json)
+    if draw is not None and not as_json:
+        typer.echo(f"picture: {draw}", err=outcome.plan is None)
     _judge(outcome)
 
 
@@ -79,7 +84,14 @@ def _compare(task: str, settings: "Settings", as_json: bool) -> None:
 def _show(outcome: "PlanOutcome", as_json: bool) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.refinement_tables import refinement_tables
-    from hybrid_tamp.report.tables import explanation_text, network_text, plan_footer, plan_table, timeline
+    from hybrid_tamp.report.tables import (
+        clearance_text,
+        explanation_text,
+        network_text,
+        plan_footer,
+        plan_table,
+        timeline,
+    )
 
     shown = document(outcome)
     say(shown, as_json)
@@ -94,4 +106,6 @@ def _show(outcome: "PlanOutcome", as_json: bool) -> None:
         if outcome.refinement is not None:
             show(refinement_tables(shown["refinement"]))
         show(plan_footer(shown))
+        if shown["clearance"]:
+            show(clearance_text(shown["clearance"]))
     show(network_text(shown["network"]), stderr=outcome.plan is None)

@@ -7,15 +7,20 @@ meanwhile, by bisection on distances (`collision.sweeps`). Contacts that the blo
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from hybrid_tamp.collision.bodies import Body, Pose, bodies_of, bound_distance, find_nearest, pose_of
 from hybrid_tamp.collision.sweeps import Clearance, Track, find_clearance
 from hybrid_tamp.midlevel.predictions import Trace
 from hybrid_tamp.model.contacts import ContactRules
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.precedence import Precedence
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 _EVERY = 8
 """Number of control steps between two poses of a track."""
@@ -59,6 +64,11 @@ class Sweep:
                 limit = allowed if best is None else min(allowed, best.distance)
                 best = find_clearance([track], [(each.body, each.pose)], limit=limit) or best
         return best
+
+    @property
+    def times(self) -> FloatArray:
+        """Times of the poses of the tracks from the start of the movement [s], shape ``(k,)``."""
+        return np.array(_rows(self.trace.states)) * CONTROL_PERIOD
 
     def ends_inside(self, hit: Clearance) -> bool:
         """Return whether the two bodies of a collision overlap at the end of the movement."""
@@ -110,7 +120,7 @@ def _find_sweep(
     tracks, neighbours = [], []
     for slot, name in instance.slots.items():
         if name in bodies and "position" in blocks[instance.block].writes.get(slot, ()):
-            tracks.append(_track(bodies[name], trace))
+            tracks.append(track_of(bodies[name], trace.states))
             mine = task.token_by_name[name]
             others = (
                 other
@@ -121,11 +131,15 @@ def _find_sweep(
     return Sweep(instance, trace, tuple(tracks), tuple(neighbours))
 
 
-def _track(body: Body, trace: Trace) -> Track:
-    last = len(trace.states.values) - 1
-    rows = [*range(0, last, _EVERY), last]
-    states = trace.states
+def track_of(body: Body, states: State) -> Track:
+    """Return the track of a body in states with batch shape ``(t,)``, one per control step."""
+    rows = _rows(states)
     return Track(body, states[body.name, "position"][rows], states[body.name, "orientation"][rows])
+
+
+def _rows(states: State) -> list[int]:
+    last = len(states.values) - 1
+    return [*range(0, last, _EVERY), last]
 
 
 def allow_contact(one: Body, at: Pose, other: Body, there: Pose) -> float:
