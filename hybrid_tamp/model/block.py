@@ -127,6 +127,9 @@ class Block:
         movement: movement that the motor primitive represents, or None.
         path: slot whose token follows `Parameters.path`, a path of the token's position, if the plan gives one. None if
             the policy ignores paths.
+        straight: maps slots whose tokens always move straight, whatever the hyperparameters, to functions
+            ``direction(binding, start)`` that return the unit vector of the movement, ``(3,)``. Proofs that a body
+            blocks the movement use these directions.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
             declared either, the final state is that of a rollout.
         description: description in one line.
@@ -154,6 +157,7 @@ class Block:
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None
     path: str | None = None
+    straight: Mapping[str, Callable[[Binding, State], FloatArray]] = field(default_factory=dict)
     outcome: Outcome | None = None
     description: str = ""
 

@@ -16,6 +16,9 @@ from hybrid_tamp.model.declarations import Declarations
 from hybrid_tamp.model.domain_checks import faults_of
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.safety import use_predicates, with_factors
+from hybrid_tamp.model.token import Token
+
+_POSE = {"position", "orientation"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,15 @@ class Domain(Declarations):
     def resting_block(self) -> Block:
         """Block with one slot, for tokens that no other block manipulates."""
         return self.block_by_name[self.resting]
+
+    def moving_slots(self, token: Token) -> tuple[tuple[Block, str], ...]:
+        """Return the slots that can contain a token while it moves, each with its block."""
+        return tuple(
+            (block, slot.name)
+            for block in self.blocks
+            for slot in block.slots
+            if _POSE & set(block.writes.get(slot.name, ())) and token.is_member(slot.object_class)
+        )
 
     def measure(self, task: Any, recording: Any) -> dict[tuple[str, str], float]:
         """Return the domain's metrics of a finished run of a task. Keys are pairs of (instance, metric with unit)."""

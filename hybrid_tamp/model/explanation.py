@@ -102,7 +102,8 @@ class Explanation(Tabular):
     """The reasons why a task has no plan, and changes that make the task solvable.
 
     Attributes:
-        kind: unsolvable, safety, not_found, planner_crashed, plan_refused, class_unknown, not_refined, time or memory.
+        kind: unsolvable, blocked, safety, not_found, planner_crashed, plan_refused, class_unknown, not_refined, time or
+            memory.
         message: sentence that describes the kind.
         reasons: reasons why the task has no plan. Reasons that a suggestion removes come first.
         suggestions: single changes that make the task solvable.

@@ -17,6 +17,8 @@ Status = Literal["solved", "unsolvable", "unknown", "limit"]
 
 NOT_REFINED = "not_refined"
 """Kind of failure: plans exist, but no plan has hyperparameters that satisfy its conditions."""
+BLOCKED = "blocked"
+"""Kind of failure: every plan needs a movement that certainly hits a body that stays where it is."""
 CLASS_UNKNOWN = "class_unknown"
 """Kind of failure: the goal requires a token to be a member of a class, but the membership is unknown."""
 SAFETY = "safety"
@@ -29,6 +31,7 @@ MESSAGES: Mapping[str, str] = {
     "plan_refused": "The planner returned an invalid plan, which was rejected.",
     CLASS_UNKNOWN: "It is unknown whether a plan exists, because the class of a token in the goal is unknown.",
     SAFETY: "No plan satisfies the safety factors of the task, but the physical bounds alone do not exclude a plan.",
+    BLOCKED: "The planner has proven that no plan exists, because bodies block the movements of every plan.",
     NOT_REFINED: "Plans exist, but every plan that was found fails in the forward models of the blocks.",
 }
 """Maps each kind of failure to a sentence for the user."""
@@ -83,7 +86,7 @@ class PlanningFailure:
     @property
     def status(self) -> Status:
         """Status of the outcome."""
-        if self.kind == "unsolvable":
+        if self.kind in ("unsolvable", BLOCKED):
             return "unsolvable"
         return "limit" if self.kind in ("time", "memory") else "unknown"
 
@@ -185,7 +188,7 @@ class PlanOutcome(Tabular):
         if self.status == "limit":
             return LimitReached(self.failure.message, limit=self.failure.kind)
         message = self.failure.message if self.explanation is None else self.explanation.text
-        if self.failure.kind == NOT_REFINED:
+        if self.failure.kind in (NOT_REFINED, BLOCKED):
             message = "\n".join([self.failure.message, *(f"  {each.text}" for each in self.excluded)])
         reasons = () if self.explanation is None else self.explanation.reasons
         probes = [reason.probe for reason in reasons if reason.probe]

@@ -80,6 +80,8 @@ class Shortfall:
         unit: unit of the margin.
         margin: signed margin of the condition [unit].
         remark: why nothing avoids a collision. Empty for other conditions.
+        place: where a collision is deepest [m], or None for other conditions.
+        proven: whether the binding fails with all hyperparameters and paths. A failed search proves nothing.
     """
 
     where: str
@@ -87,6 +89,8 @@ class Shortfall:
     unit: str
     margin: float
     remark: str = ""
+    place: tuple[float, float, float] | None = None
+    proven: bool = False
 
     @property
     def text(self) -> str:
@@ -94,6 +98,8 @@ class Shortfall:
         if self.atom.predicate == CLEAR:
             moving, other = self.atom.arguments
             hit = f"{moving} hits {other}, {-self.margin:.3g} m deep" if self.margin else f"{moving} meets {other}"
+            if self.place is not None:
+                hit += f" at ({', '.join(f'{each + 0.0:.2f}' for each in self.place)})"
             return f"{hit}, {self.remark}" if self.remark else hit
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 """Array of floats. The docstrings of functions state the shapes."""
+BoolArray = NDArray[np.bool_]
+"""Array of booleans."""
 
 
 def are_finite(values: FloatArray) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hybrid_tamp.collision.bodies import Body, Pose, bodies_of, bound_distance, find_nearest, pose_of
+from hybrid_tamp.collision.bodies import Body, Nearest, Pose, bodies_of, bound_distance, find_nearest, pose_of
 from hybrid_tamp.collision.sweeps import Clearance, Track, find_clearance
 from hybrid_tamp.midlevel.predictions import Trace
 from hybrid_tamp.model.contacts import ContactRules
@@ -70,14 +70,21 @@ class Sweep:
         """Times of the poses of the tracks from the start of the movement [s], shape ``(k,)``."""
         return np.array(_rows(self.trace.states)) * CONTROL_PERIOD
 
+    def place_of(self, hit: Clearance) -> tuple[float, float, float]:
+        """Return the place of a collision, which is the middle between the nearest points of the bodies' cores [m]."""
+        x, y, z = (float(each) for each in self.find_nearest_at(hit, hit.phase).points.mean(axis=0))
+        return x, y, z
+
     def ends_inside(self, hit: Clearance) -> bool:
         """Return whether the two bodies of a collision overlap at the end of the movement."""
-        return any(
-            find_nearest(track.body, track.at(len(track.positions) - 1.0), each.body, each.pose).distance < 0
-            for track, neighbours in zip(self.tracks, self.neighbours, strict=True)
-            for each in neighbours
-            if (track.body.name, each.body.name) == (hit.moving, hit.other)
-        )
+        return self.find_nearest_at(hit, np.inf).distance < 0
+
+    def find_nearest_at(self, hit: Clearance, phase: float) -> Nearest:
+        """Return the distance of the bodies of a least distance at a phase, or at the end of the movement."""
+        index = next(i for i, track in enumerate(self.tracks) if track.body.name == hit.moving)
+        track = self.tracks[index]
+        other = next(each for each in self.neighbours[index] if each.body.name == hit.other)
+        return find_nearest(track.body, track.at(min(phase, len(track.positions) - 1.0)), other.body, other.pose)
 
 
 def find_sweeps(task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER) -> Iterator[Sweep]:

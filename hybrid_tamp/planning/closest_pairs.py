@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hybrid_tamp.collision.bodies import Body, Nearest, bodies_of, find_nearest, pose_of
+from hybrid_tamp.collision.bodies import Body, Nearest, bodies_of, pose_of
 from hybrid_tamp.collision.closest import find_closest
 from hybrid_tamp.collision.sweeps import Clearance
 from hybrid_tamp.midlevel.rollout import Rollouts
@@ -96,20 +96,13 @@ def _find_closest_pair(movement: Sweep) -> ClosestPair | None:
 
 def _describe(movement: Sweep, found: Clearance) -> ClosestPair:
     """Return the pair of bodies at the phase of their least distance."""
-    track, other = next(
-        (track, each)
-        for track, neighbours in zip(movement.tracks, movement.neighbours, strict=True)
-        for each in neighbours
-        if (track.body.name, each.body.name) == (found.moving, found.other)
-    )
-    nearest = find_nearest(track.body, track.at(found.phase), other.body, other.pose)
     return ClosestPair(
         instance=movement.instance.name,
         moving=found.moving,
         other=found.other,
         distance=found.distance,
         time=float(np.interp(found.phase, range(len(movement.times)), movement.times)),
-        points=_on_surfaces(nearest),
+        points=_on_surfaces(movement.find_nearest_at(found, found.phase)),
     )
 
 

@@ -13,7 +13,7 @@ from hybrid_tamp.midlevel.refinement import refine
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.forbidding import forbid
-from hybrid_tamp.model.outcome import NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
+from hybrid_tamp.model.outcome import BLOCKED, NOT_REFINED, Exclusion, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
@@ -180,19 +180,15 @@ def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstanc
 def _is_moved(task: Task, name: str) -> bool:
     """Return whether some block moves a token that cannot move itself."""
     token = task.token_by_name.get(name)
-    return (
-        token is not None
-        and not token.place
-        and not token.basic_actions
-        and any(
-            {"position", "orientation"} & set(written) and token.is_member(block.slot(slot).object_class)
-            for block in task.domain.blocks
-            for slot, written in block.writes.items()
-        )
-    )
+    return token is not None and not token.place and not token.basic_actions and bool(task.domain.moving_slots(token))
 
 
 def _give_up(outcome: PlanOutcome, detail: str = "") -> PlanOutcome:
-    """Return the last outcome as a failure, because no executable plan remains."""
+    """Return the last outcome as a failure, because no executable plan remains.
+
+    The failure is proven if the task without the excluded bindings certainly has no plan, and each exclusion is proven.
+    """
     sentence = f"{detail[0].upper()}{detail[1:]}." if detail else ""
-    return replace(outcome, plan=None, chosen=None, failure=PlanningFailure(NOT_REFINED, sentence))
+    proven = outcome.status == "unsolvable" and all(each.shortfall.proven for each in outcome.excluded)
+    failure = PlanningFailure(BLOCKED if proven else NOT_REFINED, sentence)
+    return replace(outcome, plan=None, chosen=None, failure=failure)

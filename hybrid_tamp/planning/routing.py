@@ -13,10 +13,12 @@ from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import CLEAR, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.closest_pairs import find_closest_pairs
-from hybrid_tamp.planning.detours import find_detour
+from hybrid_tamp.planning.detours import CLEARANCES, find_detour
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
+from hybrid_tamp.planning.proofs import prove_blocked
 
 _LOG = logging.getLogger(__name__)
 
@@ -61,15 +63,30 @@ def _avoid_bodies(
         hit = movement.find_hit()
         if hit is None:
             continue
-        name, block = movement.instance.name, task.domain.block_by_name[movement.instance.block]
-        path = None if movement.instance.path else find_detour(task, movement, _seed(task, name))
+        name = movement.instance.name
+        path, remark, proven = _find_way(task, movement)
         if path is None:
-            remark = "" if block.path is None else "and the search found no path around it"
-            remark = "where the movement ends" if movement.ends_inside(hit) else remark
-            return Shortfall(name, Atom(CLEAR, (hit.moving, hit.other)), "m", hit.distance, remark)
+            atom = Atom(CLEAR, (hit.moving, hit.other))
+            remark = "where the movement ends" if movement.ends_inside(hit) and not proven else remark
+            return Shortfall(name, atom, "m", hit.distance, remark, movement.place_of(hit), proven)
         _LOG.info("%s follows a path with %d corners, because %s would hit %s", name, len(path), hit.moving, hit.other)
         return plan.with_path(name, path)
     return None
+
+
+def _find_way(task: Task, movement: Sweep) -> tuple[FloatArray | None, str, bool]:
+    """Return a path for a movement that hits a body, or why there is none, and whether this is proven."""
+    block, seed = task.domain.block_by_name[movement.instance.block], _seed(task, movement.instance.name)
+    searched = block.path is not None and not movement.instance.path
+    path = find_detour(task, movement, seed, CLEARANCES[0]) if searched else None
+    if path is not None:
+        return path, "", False
+    # A proof costs less than further searches that fail.
+    if proof := prove_blocked(task, movement):
+        return None, proof, True
+    closer = (find_detour(task, movement, seed, clearance) for clearance in CLEARANCES[1:] if searched)
+    path = next((each for each in closer if each is not None), None)
+    return path, "and the search found no path around it" if block.path is not None else "", False
 
 
 def _avoid_meetings(

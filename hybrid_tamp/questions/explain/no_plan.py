@@ -22,6 +22,7 @@ from hybrid_tamp.feasibility.relevance import keep_relevant
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.explanation import Explanation, Reason, Suggestion
 from hybrid_tamp.model.outcome import (
+    BLOCKED,
     CLASS_UNKNOWN,
     MESSAGES,
     NOT_REFINED,
@@ -70,7 +71,7 @@ def explain_failure(outcome: PlanOutcome, trials: int = 0, most: int = 1, deadli
     assert failure is not None, "the outcome must be a failure"
     if failure.kind == CLASS_UNKNOWN:
         return Explanation(failure.kind, failure.message, _unknown_classes(task))
-    if failure.kind == NOT_REFINED:
+    if failure.kind in (NOT_REFINED, BLOCKED):
         return Explanation(failure.kind, failure.message, tuple(_excluded(task, each) for each in outcome.excluded))
     if failure.detail and failure.kind != SAFETY:
         return Explanation(failure.kind, failure.message)
