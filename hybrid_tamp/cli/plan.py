@@ -57,9 +57,7 @@ def plan(
             outcome = plan_task(
                 task, settings, folder=output, force=force, optimise=optimise, draw=draw, planner=process, progress=tell
             )
-    _show(outcome, as_json)
-    if draw is not None and not as_json:
-        typer.echo(f"picture: {draw}", err=outcome.plan is None)
+    _show(outcome, as_json, draw)
     _judge(outcome)
 
 
@@ -81,7 +79,7 @@ def _compare(task: str, settings: "Settings", as_json: bool) -> None:
     say(comparison_document(task, results), as_json, lambda: comparison_of_planners(task, results))
 
 
-def _show(outcome: "PlanOutcome", as_json: bool) -> None:
+def _show(outcome: "PlanOutcome", as_json: bool, drawn: Path | None) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.refinement_tables import refinement_tables
     from hybrid_tamp.report.tables import (
@@ -106,6 +104,7 @@ def _show(outcome: "PlanOutcome", as_json: bool) -> None:
         if outcome.refinement is not None:
             show(refinement_tables(shown["refinement"]))
         show(plan_footer(shown))
-        if shown["clearance"]:
-            show(clearance_text(shown["clearance"]))
+        show(clearance_text(shown["clearance"]))
     show(network_text(shown["network"]), stderr=outcome.plan is None)
+    if drawn is not None:
+        show(f"picture: {drawn}", stderr=outcome.plan is None)

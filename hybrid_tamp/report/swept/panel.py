@@ -24,6 +24,8 @@ GREY = "#5c6570"
 POINTS = 8.0
 """Size of all texts [points]."""
 _INK, _PALE, _RED = "#1c2128", "#d0d7de", "#be2823"
+_CLOSE = 0.1
+"""Distance below which the line of a closest pair is thick [m]."""
 _SHARES = (0.5, 0.35, 0.65, 0.2, 0.8)
 """Shares of a path at which its number may be, in the order of preference."""
 _TOKENS: dict[str, dict[str, Any]] = {
@@ -94,7 +96,7 @@ class Panel:
         """Draw a line between the nearest points or, if the bodies overlap, a cross and the moving body."""
         across, up = self._view.flatten(np.array(pair.points)).T
         if pair.distance >= 0:
-            self._axes.plot(across, up, color=_INK, linewidth=1.2, zorder=7)
+            self._axes.plot(across, up, color=_INK, linewidth=1.4 if pair.distance < _CLOSE else 0.6, zorder=7)
             return
         row = int(np.abs(path.times - pair.time).argmin())
         outlines = self._view.outlines_at(path, row, pair.moving)

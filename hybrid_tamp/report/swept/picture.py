@@ -29,7 +29,11 @@ _BOLD = 1.2
 """Width of bold letters, as a multiple of the width of other letters."""
 _MARGIN = 0.06
 """Room around the bodies of a view, as a fraction of its larger side."""
-FORMATS: dict[str, dict[str, Any]] = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+_UNSTAMPED: dict[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None},
+}
 """Maps each format to metadata without a date or a version, so that a file depends only on the plan."""
 
 
@@ -60,7 +64,7 @@ def swept_picture(swept: SweptPlan, form: str = "png") -> bytes:
 
     picture = BytesIO()
     with rc_context({"svg.hashsalt": "hybrid_tamp", "hatch.linewidth": 0.4, "font.family": "DejaVu Sans"}):
-        draw_figure(swept).savefig(picture, format=form, metadata=FORMATS[form])
+        draw_figure(swept).savefig(picture, format=form, metadata=_UNSTAMPED[form])
     return picture.getvalue()
 
 
