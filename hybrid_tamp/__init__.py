@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from hybrid_tamp.verbs.probe import save_members as save_members
     from hybrid_tamp.verbs.replay import replay as replay
     from hybrid_tamp.verbs.run import run as run
+    from hybrid_tamp.verbs.scene import add_scene as add_scene
     from hybrid_tamp.verbs.trajectories import save_trajectories as save_trajectories
 
 _NAMES = {
@@ -101,6 +102,7 @@ _NAMES = {
     "verbs.probe": "probe save_members",
     "verbs.replay": "replay",
     "verbs.run": "run",
+    "verbs.scene": "add_scene",
     "verbs.trajectories": "save_trajectories",
 }
 """Maps each module to a string of its public names."""

@@ -93,6 +93,7 @@ from hybrid_tamp.model.trial import Estimate as Estimate
 from hybrid_tamp.model.trial import TrialRecipe as TrialRecipe
 from hybrid_tamp.motion.arrays import FloatArray as FloatArray
 from hybrid_tamp.motion.constants import DEFAULT_FRICTION as DEFAULT_FRICTION
+from hybrid_tamp.motion.constants import FLOOR_FRICTION as FLOOR_FRICTION
 from hybrid_tamp.motion.constants import GRAVITY as GRAVITY
 from hybrid_tamp.motion.dmp import DMP as DMP
 from hybrid_tamp.motion.limit_surface import load_ratio as load_ratio

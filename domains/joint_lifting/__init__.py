@@ -22,7 +22,7 @@ from .classes import Liftable
 from .lifting import BEARING, MODES
 from .metrics import CONTROLLED, metrics
 from .places import PLACE, place_at, places_of
-from .predicates import AT_PLACE, FITS, ON_SIDE, OUTSIDE, STANDS, UPRIGHT, WITHIN_REACH
+from .predicates import AT_PLACE, FITS, STANDS, UPRIGHT, WITHIN_REACH
 
 
 def _beside(binding: Binding, state: State) -> FloatArray:
@@ -49,10 +49,9 @@ def _edges() -> Iterator[tuple[str, str]]:
 _BESIDE = ReachGoal(
     targets=(Target("object", Liftable), Target("place", PLACE)),
     position=_beside,
-    entry=conditions((STANDS, UPRIGHT, ON_SIDE, WITHIN_REACH, FITS)),
+    entry=conditions((STANDS, UPRIGHT, WITHIN_REACH, FITS)),
     arrived=conditions((AT_PLACE,)),
-    # The reach has a fixed shape, which passes through large boxes.
-    lasting=conditions((STANDS, OUTSIDE)),
+    lasting=conditions((STANDS,)),
 )
 _BLOCKS = (make_reaching(_BESIDE, "place"), *BEARING, RESTING)
 

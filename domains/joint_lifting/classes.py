@@ -32,5 +32,5 @@ class Liftable(BoxShaped, AffordanceClass):
         low, high = (round(float(end), 4) + 0.0 for end in (heights.min(), heights.max()))
         return (
             f"a LIFTABLE box must stand on its bottom face (-z in its body frame), but the corners of this face are "
-            f"{low:g} to {high:g} m above the floor"
+            f"{low:g} to {high:g} m above {token.ground.text}"
         )

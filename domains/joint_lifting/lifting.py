@@ -48,7 +48,6 @@ from .predicates import (
     LOWEST_LIFT,
     OF_BOX,
     OF_HAND,
-    ON_SIDE,
     RAISED,
     STANDS,
     WITHIN_REACH,
@@ -142,7 +141,7 @@ def _together(
         Liftable,
         entry=(before, *_at_places(crew), *_able(crew)),
         # A box moves straight up and down, so its feasibility facts do not change.
-        keeps=(ON_SIDE, WITHIN_REACH, *keeps),
+        keeps=(WITHIN_REACH, *keeps),
         hyperparameters=(squeezing(partial(_squeezes, crew)), *hyperparameters),
         policy=partial(policy, crew, profile),
         system=partial(bearing_system, crew),

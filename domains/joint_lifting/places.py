@@ -81,12 +81,13 @@ def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = S
 
 
 def corner_heights(state: State, thing: Token) -> FloatArray:
-    """Return the heights ``(..., 4)`` [m] of the four corners of a box's bottom face."""
+    """Return the heights ``(..., 4)`` [m] of the four corners of a box's bottom face above the ground of the box."""
     halves, orientation = np.asarray(thing["half_extents"]), state[thing, "orientation"]
     corners = (np.array([x, y, -1.0]) * halves for x, y in product((-1.0, 1.0), repeat=2))
-    return np.stack([state[thing, "position"][..., 2] + rotate(orientation, each)[..., 2] for each in corners], axis=-1)
+    middle = state[thing, "position"][..., 2] - thing.ground.height
+    return np.stack([middle + rotate(orientation, each)[..., 2] for each in corners], axis=-1)
 
 
 def height(state: State, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of the lowest point of a box above the floor."""
+    """Return the height ``(...)`` [m] of the lowest point of a box above its ground."""
     return np.asarray(corner_heights(state, thing).min(axis=-1))

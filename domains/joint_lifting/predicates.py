@@ -4,6 +4,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, Kind, Parameter, State, Token
 from hybrid_tamp.skills import (
+    FREE_TO_MOVE,
     POSE,
     UP,
     StaticEndEffector,
@@ -12,9 +13,7 @@ from hybrid_tamp.skills import (
     competence,
     gap_to_face,
     heavy_enough,
-    in_body,
     length_predicate,
-    outside,
     within_reach,
     z_axis,
 )
@@ -48,8 +47,6 @@ _SKEW = float(np.tan(np.radians(0.5)))
 """Ratio of the force along a face to the squeeze, if a hand presses askew by half a degree."""
 _LEAST_WEIGHT = 0.004
 """Smallest weight [N] of a box that hands lift without tilting it. A lighter box follows the errors of the hands."""
-_MIDDLE = 0.02
-"""Largest distance [m] from the plane between front and back at which a hand may use either half of the box."""
 _TOUCHING = 0.03
 """Smallest length of the contact line between a hand and a face [m]."""
 _ABREAST = 0.02
@@ -69,24 +66,8 @@ def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(nearer - _CLEAR)
 
 
-def _gap(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the largest gap ``(...)`` [m] between an upright hand and a box along one of the axes of the box."""
-    half = np.array([hand["radius"], hand["radius"], hand["length"] / 2.0])
-    return np.asarray(
-        (np.abs(in_body(state, thing, state[hand, "position"])) - np.asarray(thing["half_extents"]) - half).max(axis=-1)
-    )
-
-
 def _uprightness(state: State, hand: Token) -> FloatArray:
     return np.asarray(_UPRIGHT - np.linalg.norm(z_axis(state, hand)[..., :2], axis=-1))
-
-
-def _outlook(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
-    """Return the smaller of a hand's distance outside its face [m] and its depth inside its half of the box [m]."""
-    face, along = SPOTS[place]
-    beyond = gap_to_face(state, hand, thing, face)
-    ahead = in_body(state, thing, state[hand, "position"])[..., 1]
-    return np.asarray(np.minimum(beyond, np.sign(along) * ahead + _MIDDLE) if along else beyond)
 
 
 def room_above(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
@@ -153,7 +134,6 @@ CLEAR_OF = length_predicate(
     description="{hand} has released {object}",
     denial="{hand} has not released {object}",
 )
-OUTSIDE = outside(Liftable, _gap)
 UPRIGHT = competence(
     "upright",
     (_HAND,),
@@ -164,18 +144,6 @@ UPRIGHT = competence(
     description="{hand} is upright",
     denial="{hand} cannot turn and is not upright",
 )
-ON_SIDE = competence(
-    "on_side",
-    (_HAND, _OBJECT, _PLACE),
-    _outlook,
-    unit="m",
-    scale=0.1,
-    # The side on which the hand starts does not change, so `reads` omits the position of the hand.
-    reads={"object": POSE},
-    description="{hand} starts on the {place} side of {object}",
-    denial="{hand} does not start on the {place} side of {object}",
-)
-"""Each hand stays on its side and in its half of a box, because two hands that changed sides could collide."""
 WITHIN_REACH = within_reach(
     "within_reach",
     (_HAND, _OBJECT, _PLACE),
@@ -210,7 +178,7 @@ GRIPPABLE = competence(
     denial="{object} is too smooth: it slips out between hands that press slightly askew",
 )
 HEAVY_ENOUGH = heavy_enough(Liftable, _LEAST_WEIGHT, "lift", "tilt it instead of lifting it")
-OF_HAND = (BEARS, ON_SIDE, WITHIN_REACH, FITS, UPRIGHT)
+OF_HAND = (BEARS, WITHIN_REACH, FITS, UPRIGHT)
 """Feasibility facts about each hand of a crew and the box."""
-OF_BOX = (GRIPPABLE, HEAVY_ENOUGH)
+OF_BOX = (GRIPPABLE, HEAVY_ENOUGH, FREE_TO_MOVE)
 """Feasibility facts about the box."""

@@ -25,7 +25,7 @@ from hybrid_tamp.skills import (
 
 from .curves import Route
 from .geometry import FLOOR_CLEARANCE
-from .tumbling_geometry import above_floor, place_at, sides_around
+from .tumbling_geometry import above_ground, place_at, sides_around
 from .turning_hands import axis_beside, off_axis, own_axis
 
 _ROOM = 0.055
@@ -103,10 +103,10 @@ def route_to_face(state: State, hand: Token, thing: Token, face: str) -> Route:
         beside = (hand["length"] / 2.0 + _SPARE) * step if wide else 0.0
         corners = _corners(state, hand, thing, axis, (origin, face), step, room, beside)
         routes.append([state[hand, "position"], free, *corners, before, place])
-    lowest = _half_diagonal(hand) + FLOOR_CLEARANCE if wide else 0.0
-    best = min(routes, key=lambda route: _cost(hand, route, lowest))
-    raised = [_raised(hand, point, lowest) for point in best[1:-2]]
-    return Route([best[0], *raised, *(above_floor(hand, point) for point in best[-2:])], angle)
+    lowest = thing.ground.height + (_half_diagonal(hand) + FLOOR_CLEARANCE if wide else 0.0)
+    best = min(routes, key=lambda route: _cost(hand, thing, route, lowest))
+    raised = [_raised(hand, thing, point, lowest) for point in best[1:-2]]
+    return Route([best[0], *raised, *(above_ground(hand, thing, point) for point in best[-2:])], angle)
 
 
 def _half_diagonal(hand: Token) -> float:
@@ -119,9 +119,9 @@ def _wide_room(hand: Token) -> float:
     return STANDBY_GAP + float(hand["radius"]) + _half_diagonal(hand) + _SPARE
 
 
-def _raised(hand: Token, point: FloatArray, lowest: float) -> FloatArray:
+def _raised(hand: Token, thing: Token, point: FloatArray, lowest: float) -> FloatArray:
     """Return a position ``(3,)`` [m] raised to a height of at least `lowest` and to the height of a level hand."""
-    return above_floor(hand, np.maximum(point, np.array([-np.inf, -np.inf, lowest])))
+    return above_ground(hand, thing, np.maximum(point, np.array([-np.inf, -np.inf, lowest])))
 
 
 def _corners(
@@ -163,10 +163,10 @@ def _corners(
     return found
 
 
-def _cost(hand: Token, route: list[FloatArray], lowest: float) -> float:
-    """Return the length of a route [m], plus a penalty if the route passes through the floor."""
+def _cost(hand: Token, thing: Token, route: list[FloatArray], lowest: float) -> float:
+    """Return the length of a route [m], plus a penalty if the route passes through the ground."""
     length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(route))
-    sunk = sum(float(np.linalg.norm(_raised(hand, point, lowest) - point)) for point in route[2:-2])
+    sunk = sum(float(np.linalg.norm(_raised(hand, thing, point, lowest) - point)) for point in route[2:-2])
     return length + _BLOCKED * (sunk > 0)
 
 
@@ -182,5 +182,5 @@ def route_away(state: State, hand: Token, thing: Token) -> Route:
     halves = [half_extent(thing, side) for side in _around(axis)]
     have = float((free - state[thing, "position"]) @ outward)
     further = max(0.0, 2.0 * max(halves) + _AWAY * hand["radius"] - have)
-    corners = [state[hand, "position"], above_floor(hand, free), above_floor(hand, free + outward * further)]
-    return Route(corners)
+    beyond = (above_ground(hand, thing, point) for point in (free, free + outward * further))
+    return Route([state[hand, "position"], *beyond])

@@ -14,6 +14,9 @@ from .sliding import friction_needed, leaning_friction
 from .standing import SLENDERNESS
 from .tumbling_geometry import GRIP, room_below, sections
 
+_FRICTIONLESS = 1e-6
+"""Friction of the ground below which a smaller friction makes no difference."""
+
 
 def axis_of(face: str, posture: str) -> int:
     """Return the index of the body axis about which a hand at a face turns a box in a posture."""
@@ -44,8 +47,9 @@ def friction_left(hand: Token, thing: Token, axis: int) -> float:
     """
     short, long = sorted(sections(thing, axis))
     force = max(float(hand["maximal_force"]), strength_needed(thing, axis))
-    turning = friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force)
-    needed = max(turning, leaning_friction(short, long), leaning_friction(long, short))
+    ground = max(thing.ground.friction, _FRICTIONLESS)
+    turning = friction_needed(GRAVITY * thing["mass"], long, GRIP * short, force, ground)
+    needed = max(turning, leaning_friction(short, long) / ground, leaning_friction(long, short) / ground)
     return float(thing["friction"] - needed)
 
 

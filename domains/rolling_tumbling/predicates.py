@@ -12,6 +12,7 @@ from hybrid_tamp.skills import (
     depth_in_workspace,
     dot,
     inside,
+    level_with,
     outside,
     physical_bound,
 )
@@ -59,6 +60,7 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
 
 
 INSIDE = inside(Rollable)
+LEVEL_WITH = level_with(Rollable)
 OUTSIDE = outside(Rollable, lambda state, hand, thing: gap_between(state, hand, thing) + _PRESSED)
 LIES_ON_SIDE = competence(
     "lies_on_side",

@@ -2,8 +2,8 @@
 
 The hand's curve lies in the plane perpendicular to the axis of the hand at its face. A hand that can turn does so on
 the way, and is parallel to the edge of the box when it arrives. The curve leaves the nearest face along a straight
-line, passes the box on the side that is clear of the floor, and approaches the goal face along a straight line. Another
-hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
+line, passes the box on the side that is clear of the ground, and approaches the goal face along a straight line.
+Another hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
 import numpy as np
@@ -27,6 +27,7 @@ from hybrid_tamp.authoring import (
     rotation_vector,
 )
 from hybrid_tamp.skills import (
+    FREE_TO_MOVE,
     HORIZONTAL,
     Curve,
     ReachGoal,
@@ -50,7 +51,7 @@ from .control_predicates import ABLE_HAND, CLEAR_OF_FLOOR, HEAVY_ENOUGH
 from .curves import Route, curve_through
 from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
-from .tumbling_geometry import above_floor, place_at
+from .tumbling_geometry import above_ground, place_at
 from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
 from .turning_hands import wanted_orientation
 
@@ -114,12 +115,14 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    hand, profile = get_token(binding, "hand"), profile_of(primitive)
+    (hand, thing), profile = get_tokens(binding, "hand", "object"), profile_of(primitive)
     curve = _curve(binding, start, parameters.path)
     duration = _time(curve, parameters.hyperparameters)
     planned = _place(binding, start)
-    outward = off_the_face(start, hand, get_token(binding, "object"))
+    outward = off_the_face(start, hand, thing)
     servo = position_servo(hand)
+    # A hand that starts beside a table, below its top, rises along the curve.
+    below = start[hand, "position"][..., 2:] < thing.ground.height
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         position, velocity = curve.at(elapsed, duration, profile)
@@ -133,8 +136,8 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
         position, velocity, share = timetable(elapsed)
         # Other hands may still move the box, so the end of the curve follows the face.
         position = position + share * (_place(binding, state) - planned)
-        # A hand that leaves a face which points down must not press on the floor.
-        clear = above_floor(hand, position)
+        # A hand that leaves a face which points down must not press on the ground.
+        clear = np.where(below, position, above_ground(hand, thing, position))
         velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
         return {(hand.name, "force"): servo(state, clear, velocity)}
 
@@ -159,7 +162,7 @@ REACH_BESIDE = make_reaching(
         targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
         position=_end,
         orientation=_orientation,
-        entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH)),
+        entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH, FREE_TO_MOVE)),
         arrived=conditions((AT_FACE,)),
         lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
         description="the hand moves around the box to a place at a face and stays there",

@@ -3,11 +3,11 @@
 An object of mass m and radius R has the friction mu and the rolling friction rho. A hand pushes the object from behind
 with the force N at the height of its axis. The near side of the object moves up, so the hand presses this side down
 with the friction nu N. Rolling friction acts at both contacts: a backend multiplies rho by the friction of the other
-body, 1 for the floor and h for the hand. The moments about the axis balance if
-N R = nu N R + rho (m g + nu N) + h rho N. Without slip, the friction of the floor is N <= mu (m g + nu N). The smallest
-friction is thus mu = rho (1 + h mu)/(R (1 - nu)). A hand that pushes elsewhere may need less friction. Without any
-friction, all forces act towards the axis, so that nothing turns the object. An object that rolls alone slows down by
-rho g/(R + I/(m R)), where I is its moment of inertia.
+body, f for the ground (1 for the floor) and h for the hand. The moments about the axis balance if
+N R = nu N R + f rho (m g + nu N) + h rho N. Without slip, the friction of the ground is N <= f mu (m g + nu N). The
+smallest friction is thus mu = rho (1 + h mu)/(R (1 - nu)), for every f. A hand that pushes elsewhere may need less
+friction. Without any friction, all forces act towards the axis, so that nothing turns the object. An object that rolls
+alone slows down by f rho g/(R + I/(m R)), where I is its moment of inertia.
 """
 
 import numpy as np
@@ -44,6 +44,11 @@ _LEAST_TURNING = 0.05
 """Smallest part of a push that turns an object in the forward model. ROLLS_STEADILY refuses objects without any."""
 
 
+def _ground(thing: Token) -> float:
+    """Return the rolling friction [m] of the object on its ground."""
+    return float(thing["rolling_friction"] * thing.ground.friction)
+
+
 def _grip(hand: Token, thing: Token) -> tuple[float, float, float]:
     """Return the ratio rho/R, the friction mu and the friction nu of the hand."""
     ratio = thing["rolling_friction"] / thing["radius_of_rotation"]
@@ -52,21 +57,26 @@ def _grip(hand: Token, thing: Token) -> tuple[float, float, float]:
 
 def _least_friction(thing: Token) -> float:
     """Return the friction, or without friction the negative of the friction that the rolling resistance needs."""
-    ratio = float(thing["rolling_friction"] / thing["radius_of_rotation"])
-    return float(thing["friction"]) if thing["friction"] >= _FRICTIONLESS else -max(ratio, _FRICTIONLESS)
+    ratio, friction = float(thing["rolling_friction"] / thing["radius_of_rotation"]), _friction(thing)
+    return friction if friction >= _FRICTIONLESS else -max(ratio, _FRICTIONLESS)
+
+
+def _friction(thing: Token) -> float:
+    """Return the friction of the object on its ground."""
+    return float(thing["friction"] * thing.ground.friction)
 
 
 def _turning(hand: Token, thing: Token) -> float:
     """Return the part of a push at the height of the axis that turns the object, negative if the hand stops it."""
     ratio, _, at_hand = _grip(hand, thing)
-    return 1.0 - at_hand * (1.0 + ratio) - DEFAULT_FRICTION * ratio
+    return 1.0 - at_hand * (1.0 + ratio * thing.ground.friction) - DEFAULT_FRICTION * ratio
 
 
 def _steadiness(hand: Token, thing: Token) -> float:
     """Return the friction minus the smallest friction with which a push at the height of the axis rolls the object."""
     ratio, friction, at_hand = _grip(hand, thing)
     turning = _turning(hand, thing)
-    if friction < _FRICTIONLESS:  # ROLLS states this reason, which is a law of physics.
+    if _friction(thing) < _FRICTIONLESS:  # ROLLS states this reason, which is a law of physics.
         return 0.0
     # With a large friction, the hand stops the rotation, however hard it pushes.
     return min(friction - ratio * (1.0 + at_hand) / (1.0 - at_hand), turning) if at_hand < 1.0 else turning
@@ -74,9 +84,9 @@ def _steadiness(hand: Token, thing: Token) -> float:
 
 def push_needed(hand: Token, thing: Token) -> float:
     """Return the force [N] of a hand that rolls an object steadily, or infinity if the hand stops the rotation."""
-    ratio, _, at_hand = _grip(hand, thing)
+    _, _, at_hand = _grip(hand, thing)
     turning = _turning(hand, thing)
-    weight = GRAVITY * float(thing["mass"])
+    ratio, weight = _ground(thing) / float(thing["radius_of_rotation"]), GRAVITY * float(thing["mass"])
     return weight * ratio * float(np.hypot(1.0, at_hand)) / turning if turning > 0.0 else float("inf")
 
 
@@ -92,14 +102,14 @@ def rolling_resistance(hand: Token, thing: Token) -> Resistance:
     Friction at the hand brakes the rotation, so only a part of the push turns the object (see `_turning`).
     """
     share = max(_turning(hand, thing), _LEAST_TURNING)
-    force = float(GRAVITY * thing["mass"] * thing["rolling_friction"] / thing["radius_of_rotation"])
+    force = float(GRAVITY * thing["mass"] * _ground(thing) / thing["radius_of_rotation"])
     # The inertia is m + I / R^2.
     return Resistance(force / share, slowing(thing), 1.5 * thing["mass"] / share, thing["radius_of_rotation"])
 
 
 def slowing(thing: Token) -> float:
     """Return the deceleration [m/s^2] of a solid cylinder that rolls alone. A sphere slows down a little faster."""
-    return float(thing["rolling_friction"] * GRAVITY / (1.5 * thing["radius_of_rotation"]))
+    return float(_ground(thing) * GRAVITY / (1.5 * thing["radius_of_rotation"]))
 
 
 def usual_deceleration(thing: Token) -> float:
@@ -110,7 +120,7 @@ def usual_deceleration(thing: Token) -> float:
 def _stopping(thing: Token) -> float:
     """Return the rolling friction [m] minus the rolling friction with which the object follows the slowest hand."""
     needed = SMALLEST_DECELERATION / _RESERVE * 1.5 * thing["radius_of_rotation"] / GRAVITY
-    return float(thing["rolling_friction"] - needed)
+    return float(_ground(thing) - needed)
 
 
 def _width(thing: Token) -> float:

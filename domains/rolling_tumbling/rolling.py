@@ -3,16 +3,16 @@
 import numpy as np
 
 from hybrid_tamp.authoring import ANY, Binding, FloatArray, Hyperparameter, State, Target
-from hybrid_tamp.skills import Region, conditions, get_token, make_pushing
+from hybrid_tamp.skills import FREE_TO_MOVE, Region, conditions, get_token, make_pushing
 
 from .classes import Rollable
 from .control_predicates import LARGE_ENOUGH, ROUGH_ENOUGH
-from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
+from .predicates import INSIDE, LEVEL_WITH, LIES_ON_SIDE, ON_ROLLING_LINE, OUTSIDE, WITHIN_WORKSPACE
 from .push import ROLL
 from .resistance import ROLLABLE_FACTS, SMALLEST_DECELERATION, usual_deceleration
 from .tumbling_predicates import FEASIBLE_TUMBLING, POSTURE
 
-_FEASIBLE = conditions((LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, *ROLLABLE_FACTS))
+_FEASIBLE = conditions((FREE_TO_MOVE, LEVEL_WITH, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE, *ROLLABLE_FACTS))
 
 
 def _usual(binding: Binding, state: State) -> FloatArray:

@@ -1,22 +1,20 @@
 """Forces with which two hands turn a box about its edge without letting the edge slide, in closed form.
 
 A box of weight W lies on a side of width L. Two hands press on opposite faces at height h: one with the force S + D/2
-and the other with S - D/2, where S is the squeeze. Let mu be the friction coefficient of the floor and the box, and nu
+and the other with S - D/2, where S is the squeeze. Let mu be the friction coefficient of the ground and the box, and nu
 that of the hands and the box. The friction of the hands lifts the far end of the box with the force nu (S + D/2), and
-presses the edge onto the floor with the force nu (S - D/2). The moments about the edge balance if
+presses the edge onto the ground with the force nu (S - D/2). The moments about the edge balance if
 D (h + nu L/2) = L (W/2 - nu S). The edge does not slide if D <= mu (W - nu D), i.e. D <= mu W/(1 + mu nu). The same
 equations hold while hands tip the box, and while hands lower the box onto the side.
 """
 
 import numpy as np
 
-from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, Token
+from hybrid_tamp.authoring import DEFAULT_FRICTION, FLOOR_FRICTION, GRAVITY, Token
 from hybrid_tamp.skills import half_extent
 
 from .tumbling_geometry import GRIP, PAST_BALANCE, SAG
 
-FLOOR_FRICTION = 1.0
-"""Friction coefficient of the floor. A backend multiplies the coefficients of two bodies in contact."""
 SQUEEZE = 0.5
 """Smallest squeeze, as a fraction of the weight of the box. Hands that are too weak for this squeeze press less."""
 STEADY = 0.75
@@ -24,20 +22,23 @@ STEADY = 0.75
 _STEPS = 60
 
 
-def squeeze_needed(weight: float, width: float, height: float, friction: float) -> float:
+def squeeze_needed(
+    weight: float, width: float, height: float, friction: float, ground: float = FLOOR_FRICTION
+) -> float:
     """Return the smallest squeeze [N] with which the edge does not slide, or infinity without friction.
 
     Args:
         weight: weight of the box [N].
         width: width of the side on which the box lies [m].
-        height: height of the hands above the floor [m].
+        height: height of the hands above the ground [m].
         friction: friction coefficient of the box.
+        ground: friction coefficient of the surface on which the box lies.
     """
-    return max(_squeeze_of_edge(weight, width, height, friction), SQUEEZE * weight)
+    return max(_squeeze_of_edge(weight, width, height, friction, ground), SQUEEZE * weight)
 
 
-def _squeeze_of_edge(weight: float, width: float, height: float, friction: float) -> float:
-    floor, hand = FLOOR_FRICTION * friction, DEFAULT_FRICTION * friction
+def _squeeze_of_edge(weight: float, width: float, height: float, friction: float, ground: float) -> float:
+    floor, hand = ground * friction, DEFAULT_FRICTION * friction
     if hand == 0.0:
         return float("inf")
     most = floor * weight / (1.0 + floor * hand)
@@ -58,7 +59,7 @@ def press(weight: float, width: float, height: float, friction: float, squeeze: 
     return squeeze + max(difference, 0.0) / 2.0
 
 
-def friction_needed(weight: float, width: float, height: float, force: float) -> float:
+def friction_needed(weight: float, width: float, height: float, force: float, ground: float = FLOOR_FRICTION) -> float:
     """Return the smallest friction of a box that hands of a maximal force [N] turn with `STEADY` of the ideal squeeze.
 
     The result is at most 5, the largest coefficient of a task.
@@ -67,7 +68,7 @@ def friction_needed(weight: float, width: float, height: float, force: float) ->
     for _ in range(_STEPS):
         middle = (low + high) / 2.0
         case = (weight, width, height, middle)
-        squeeze = max(STEADY * _squeeze_of_edge(*case), _squeeze_of_contact(*case))
+        squeeze = max(STEADY * _squeeze_of_edge(*case, ground), _squeeze_of_contact(*case))
         enough = press(weight, width, height, middle, squeeze) <= force
         low, high = (low, middle) if enough else (middle, high)
     return high
@@ -93,7 +94,7 @@ def squeeze_range(thing: Token, near: str, down: str, force: float) -> tuple[flo
     # With a large squeeze, friction alone lifts the box, and no hand presses harder than the other.
     turning = (force - width * weight / (4.0 * arm)) / (1.0 - hand * width / (2.0 * arm))
     largest = max(turning if hand * force < weight / 2.0 else force, touching)
-    needed = squeeze_needed(weight, width, height, friction)
+    needed = squeeze_needed(weight, width, height, friction, thing.ground.friction)
     return min(max(STEADY * needed, SQUEEZE * weight), largest), min(needed, largest), largest
 
 

@@ -17,7 +17,7 @@ FLAT_TOLERANCE = np.radians(5.0)
 # The tolerance is less than PAST_BALANCE, so no box is in both leaning postures of an edge at once.
 _TIPPED_TOLERANCE = np.radians(5.0)
 _TWIST_TOLERANCE = np.radians(5.0)
-_FLOOR_TOLERANCE = 0.015
+_GROUND_TOLERANCE = 0.015
 _LEVEL = 0.5
 
 
@@ -25,9 +25,9 @@ def standing(state: State, thing: Token, posture: str) -> FloatArray:
     """Return the margin ``(...)`` [rad] of a posture, which is at least 0 if the box is in the posture.
 
     The result is the smaller of two margins: the margin of the orientation, and the margin of the height of the lowest
-    point, scaled to an angle.
+    point above the ground, scaled to an angle.
     """
-    contact = 1.0 - np.abs(lowest_point(state, thing)) / _FLOOR_TOLERANCE
+    contact = 1.0 - np.abs(lowest_point(state, thing)) / _GROUND_TOLERANCE
     return np.asarray(np.minimum(_fit(state, thing, posture), FLAT_TOLERANCE * contact))
 
 
@@ -76,8 +76,8 @@ def _unsupported(thing: Token, state: State) -> str:
     said = []
     if off > FLAT_TOLERANCE:
         said.append(f"it is {np.degrees(off):.3g} degrees off its nearest posture, {nearest!r}")
-    if abs(height) > _FLOOR_TOLERANCE:
-        said.append(f"its lowest point is {height:.3g} m above the floor")
+    if abs(height) > _GROUND_TOLERANCE:
+        said.append(f"its lowest point is {height:.3g} m above {thing.ground.text}")
     return (
         f"the box is in no posture: {', and '.join(said)}; a TUMBLABLE box must either lie flat on a face, or stand on "
         "an edge and lean over a face beside the edge"

@@ -22,6 +22,7 @@ from hybrid_tamp.authoring import (
     Duration,
     FloatArray,
     Hyperparameter,
+    Literal,
     Movement,
     Parameters,
     Policy,
@@ -34,6 +35,7 @@ from hybrid_tamp.authoring import (
 from hybrid_tamp.skills import (
     AT_REST,
     BODY,
+    FREE_TO_MOVE,
     IN_WORKSPACE,
     UP,
     Pressure,
@@ -57,7 +59,7 @@ from .faces import FACE, POSTURES, faces_of
 from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .tumbling_geometry import edge_axis, edge_position
-from .tumbling_predicates import AT_FACE, HOLDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
+from .tumbling_predicates import AT_FACE, HOLDS, LANDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
 from .turning import CLOSING, after_turning, keep_parallel, make_turning
 from .turning_model import turning_system
 
@@ -72,6 +74,7 @@ _ABLE = (
     *conditions(ABLE_HAND, hand="first"),
     *conditions(ABLE_HAND, hand="second"),
     HEAVY_ENOUGH("object"),
+    FREE_TO_MOVE("object"),
 )
 
 
@@ -108,15 +111,23 @@ def _hold(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
 
 def _tipping(
-    mode: str, relation: Predicate, squeeze: Hyperparameter, description: str, primitive: DMP | None = None
+    mode: str,
+    relation: Predicate,
+    squeeze: Hyperparameter,
+    description: str,
+    feasible: tuple[Literal, ...] = (),
+    primitive: DMP | None = None,
 ) -> Block:
-    """Return one mode of TIPPING. The primitive, by default `straight_movement`, generates the tilt of the box."""
+    """Return one mode of TIPPING, with further feasibility conditions.
+
+    The primitive, by default `straight_movement`, generates the tilt of the box.
+    """
     return make_pressing(
         f"TIPPING:{mode}",
         ("first", "second"),
         Tumblable,
         targets=(Target("near", FACE), Target("far", FACE), Target("before", POSTURES), Target("outcome", POSTURES)),
-        entry=(*conditions((relation, POSTURE), posture="before"), *_AT_FACES, *_ABLE),
+        entry=(*conditions((relation, POSTURE), posture="before"), *_AT_FACES, *_ABLE, *feasible),
         exit=(POSTURE("object", "outcome"), *_AT_FACES),
         always=(IN_WORKSPACE, CLEAR_OF_FLOOR),
         moved=BODY,
@@ -132,7 +143,7 @@ def _tipping(
         hold=True,
         policy=partial(make_turning, profile=profile_of(primitive)),
         system=turning_system,
-        taught=partial(_tipping, mode, relation, squeeze, description),
+        taught=partial(_tipping, mode, relation, squeeze, description, feasible),
         movement=Movement("object", "orientation", 1),
         outcome=after_turning,
         description=description,
@@ -145,6 +156,8 @@ TIPPING = (
         TIPS,
         squeezing(_squeezes),
         "two hands on opposite sides tip the box onto an edge and hold the box there",
+        # The first turn of a tumble decides where the box will lie.
+        (LANDS("object", "far"),),
     ),
     _tipping(
         "lower",

@@ -30,6 +30,8 @@ The value was found by experiment. With a smaller value, the tipping force is to
 lift the pivot edge.
 """
 _HIGHEST = 0.9
+_STEEP = 0.9
+"""Vertical component of the normal above which a face points up or down."""
 _AXES = np.eye(3)
 SAG = float(np.radians(3.0))
 """Angle by which a leaning box may sink onto a hand [rad]."""
@@ -92,15 +94,15 @@ def contact_in_body(state: State, hand: Token, thing: Token, face: str) -> Float
 
 
 def height_above_edge(hand: Token, extent: FloatArray | float, width: float) -> FloatArray:
-    """Return the smallest height ``(...)`` [m] above the edge at which a hand below a leaning box clears the floor.
+    """Return the smallest height ``(...)`` [m] above the edge at which a hand below a leaning box clears the ground.
 
     Args:
         hand: the hand, whose radius matters.
         extent: height of the face ``(...)`` [m].
         width: extent of the box along the face's normal [m].
     """
-    # Angle between the face and the floor if the box leans over the face. A hand at the face must not touch the floor,
-    # even if the weight of the box presses the hand down.
+    # Angle between the face and the ground if the box leans over the face. A hand at the face must not touch the
+    # ground, even if the weight of the box presses the hand down.
     angle = np.arctan2(extent, width) - PAST_BALANCE - SAG
     return np.asarray(hand["radius"] * (1.0 + np.cos(angle)) / np.sin(angle) + FLOOR_CLEARANCE)
 
@@ -116,21 +118,37 @@ def room_below(hand: Token, extent: float, width: float) -> float:
 def place_at(state: State, hand: Token, thing: Token, face: str, gap: float = STANDBY_GAP) -> FloatArray:
     """Return the standby position ``(..., 3)`` [m] of a hand's centre at a face of a box."""
     contact = contact_in_body(state, hand, thing, face) + NORMALS[face] * (hand["radius"] + gap)
-    return above_floor(hand, point(state, thing, contact))
+    return above_ground(hand, thing, point(state, thing, contact))
 
 
-def above_floor(hand: Token, position: FloatArray) -> FloatArray:
-    """Raise positions ``(..., 3)`` [m] of a level hand where necessary to keep the hand clear of the floor."""
+def above_ground(hand: Token, thing: Token, position: FloatArray) -> FloatArray:
+    """Raise positions ``(..., 3)`` [m] of a level hand where necessary, so that it clears the ground of a box."""
     assert isinstance(hand.shape, Cylinder), "the shape of a STATIC END-EFFECTOR must be a cylinder"
-    lowest = np.array([-np.inf, -np.inf, hand.shape.radius + FLOOR_CLEARANCE])
+    lowest = np.array([-np.inf, -np.inf, thing.ground.height + hand.shape.radius + FLOOR_CLEARANCE])
     return np.asarray(np.maximum(position, lowest))
 
 
 def lowest_point(state: State, thing: Token) -> FloatArray:
-    """Return the height ``(...)`` [m] of the box's lowest corner."""
+    """Return the height ``(...)`` [m] of the box's lowest corner above its ground."""
     halves = np.asarray(thing["half_extents"])
     heights = np.abs(rotate(state[thing, "orientation"][..., None, :], _AXES)[..., 2])
-    return np.asarray(state[thing, "position"][..., 2] - heights @ halves)
+    return np.asarray(state[thing, "position"][..., 2] - heights @ halves - thing.ground.height)
+
+
+def landing(state: State, thing: Token, face: str) -> FloatArray:
+    """Return how deep [m] a flat box, for a single state, lies within its ground after a tumble towards a face.
+
+    If the face points up or down, or if the ground has no edge, the result is 1.
+    """
+    outward = normal(state, thing, face)
+    if thing.ground.top is None or abs(float(outward[2])) > _STEEP:
+        return np.asarray(1.0)
+    down = min(NORMALS, key=lambda each: float(normal(state, thing, each)[2]))
+    pivot, axis = edge_position(state, thing, down, face), edge_axis(state, thing, down, face)
+    beside = axis * dot(np.abs(cross(NORMALS[down], NORMALS[face])), np.asarray(thing["half_extents"]))
+    beyond = outward * 2.0 * half_extent(thing, down)
+    corners = np.array([pivot + side + ahead for side in (-beside, beside) for ahead in (0.0 * beyond, beyond)])
+    return np.asarray(thing.ground.depth(corners[:, :2]).min())
 
 
 def sides_around(axis: int) -> tuple[str, ...]:

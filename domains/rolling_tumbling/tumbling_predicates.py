@@ -23,7 +23,7 @@ from .classes import Tumblable
 from .edges import ability, axis_of, lowness, strength_needed
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .standing import FLAT_TOLERANCE, SLENDERNESS, standing
-from .tumbling_geometry import outlook, place_at, sections, sides_around, to_the_right
+from .tumbling_geometry import landing, outlook, place_at, sections, sides_around, to_the_right
 from .turning_hands import axes_of_turn, off_axis
 
 _HAND = Parameter("hand", StaticEndEffector)
@@ -85,8 +85,8 @@ def _places_around(state: State, hand: Token, thing: Token, axis: int) -> list[F
         for face in sides_around(axis)
         if abs(float(normal(state, thing, face)[2])) < _LYING
     ]
-    diagonal = float(np.hypot(*sections(thing, axis)))
-    return [*beside, *(np.array([*place[:2], diagonal + hand["radius"]]) for place in beside)]
+    highest = float(np.hypot(*sections(thing, axis))) + hand["radius"] + thing.ground.height
+    return [*beside, *(np.array([*place[:2], highest]) for place in beside)]
 
 
 def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
@@ -186,6 +186,17 @@ LOW_ENOUGH = competence(
     reads={"object": ("orientation",)},
     description=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio of at most {SLENDERNESS}",
     denial=f"the edges of {{object}} perpendicular to {{hand}} have lengths with a ratio above {SLENDERNESS}",
+)
+LANDS = competence(
+    "lands",
+    (_OBJECT, _FACE),
+    one_by_one(landing),
+    reads={"object": POSE},
+    detail=lambda state, *values: (
+        f"it would reach {-float(landing(state, *values)):.3g} m beyond {values[0].ground.edge}"
+    ),
+    description="{object} lands on the surface on which it rests if it is tumbled towards its {face} face",
+    denial="{object} would not land on the surface on which it rests if it were tumbled towards its {face} face",
 )
 
 

@@ -24,6 +24,7 @@ from hybrid_tamp.cli.probe import probe
 from hybrid_tamp.cli.replay import replay
 from hybrid_tamp.cli.report import report
 from hybrid_tamp.cli.run import run
+from hybrid_tamp.cli.scene import scene
 from hybrid_tamp.cli.schema import schema
 from hybrid_tamp.cli.tasks import tasks
 
@@ -61,5 +62,5 @@ def _options(
 
 _QUESTIONS = (learn, imitate, explain, affordances, probe)
 _LISTS = (network, tasks, domains, planners)
-for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, *_LISTS, schema, new, check_domain):
+for verb in (check, plan, pddl, run, replay, report, *_QUESTIONS, *_LISTS, schema, scene, new, check_domain):
     app.command()(verb)  # the help lists the verbs in this order

@@ -44,10 +44,10 @@ def find_closest(track: Track, others: Sequence[tuple[Body, Pose]], limit: float
             best = Clearance(distance, phase, track.body.name, body.name)
         return distance - around
 
-    for index in range(len(others)):
+    for index, other in enumerate(others):
         improve(index, 0.0, 0.0)
         improve(index, last, 0.0)
-        heapq.heappush(waiting, (-np.inf, index, (0.0, last)))
+        heapq.heappush(waiting, (track.bound_distance(*other), index, (0.0, last)))
     while waiting:
         bound, index, interval = heapq.heappop(waiting)
         most = limit if best is None else best.distance

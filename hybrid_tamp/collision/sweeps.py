@@ -9,6 +9,7 @@ much below the least distance that was found. In contrast to samples at fixed st
 import heapq
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import acos, hypot, sin
 
 import numpy as np
@@ -48,6 +49,17 @@ class Track:
         share = phase - index
         position = (1.0 - share) * self.positions[index] + share * self.positions[index + 1]
         return Pose(position, _between(self.orientations[index], self.orientations[index + 1], share))
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """Lower and upper corner of the box around all positions [m], shape ``(2, 3)``."""
+        return np.array([self.positions.min(axis=0), self.positions.max(axis=0)])
+
+    def bound_distance(self, other: Body, there: Pose) -> float:
+        """Return a lower bound of the distance from a body at rest during the whole movement [m]."""
+        lower, upper = self.corners
+        outside = np.maximum(np.maximum(lower - there.position, there.position - upper), 0.0)
+        return float(np.linalg.norm(outside)) - self.body.reach - other.reach
 
     def bound(self, begin: float, end: float) -> float:
         """Return an upper bound of the path of the body between two phases of one interval [m].
@@ -99,6 +111,8 @@ def find_clearance(
     best: Clearance | None = None
     for track in tracks:
         for body, pose in others:
+            if track.bound_distance(body, pose) > (limit if best is None else min(limit, best.distance)):
+                continue
             best = _improve(best, track, body.name, _distance_from(track.body, body, pose), limit, precision)
         if floor:
             best = _improve(best, track, FLOOR, _height_of(track.body), limit, precision)

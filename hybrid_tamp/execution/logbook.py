@@ -117,7 +117,11 @@ class Logbook:
             self._cuts.update((within[key[0]], key) for key in period.cut if key[0] in within)
         worst: Contact | None = None
         for one, other, force in period.contacts:
-            tokens, instances = (one, other), (within.get(one, ""), within.get(other, ""))
+            tokens = (one, other)
+            instances = (
+                "" if rules.rests_on(other, one) else within.get(one, ""),
+                "" if rules.rests_on(one, other) else within.get(other, ""),
+            )
             known = self._contacts.get((tokens, instances))
             allowed = rules.allow(one, other, period.state)
             if allowed and known is not None and force <= known.force:

@@ -50,13 +50,16 @@ def find_blocked(task: Task) -> list[Atom]:
 def describe_shortfall(task: Task, predicate: Predicate, values: tuple[Value, ...], margin: float) -> str:
     """Return a text with the amount by which a fact fails, with and without the safety factor of the predicate.
 
-    If the predicate has a distance, the text states the distance and its limit instead of the amount. The text also
-    says whether the fact is a limit of the blocks.
+    If the predicate has a detail, the text states the detail instead of the amount. If the predicate has a distance,
+    the text states the distance and its limit. The text also says whether the fact is a limit of the blocks.
     """
     limit = "; a limit of the available actions, not of physics" if predicate.competence else ""
     off = f"off by {with_unit(abs(margin), predicate.unit)}"
+    roles = {each.name: value for each, value in zip(predicate.parameters, values, strict=True)}
+    if predicate.detail is not None:
+        with authored(f"the detail of {predicate.name}", roles):
+            off = predicate.detail(task.state, *values)
     if predicate.distance is not None:
-        roles = {each.name: value for each, value in zip(predicate.parameters, values, strict=True)}
         with authored(f"the distance of {predicate.name}", roles):
             distance = float(predicate.distance(task.state, *values))
         most = with_unit(distance + margin, predicate.unit)

@@ -17,7 +17,7 @@ def find_shape_fault(token: Token) -> Disagreement | None:
 
     A fixed body never moves, so its parts may lie apart, and its centre of mass does not matter.
     """
-    if not isinstance(token.shape, Compound) or token.place:
+    if not isinstance(token.shape, Compound) or token.fixed_body:
         return None
     return find_compound_fault(token.shape, even=_INERTIA not in token.properties and not token.basic_actions)
 

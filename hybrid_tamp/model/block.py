@@ -29,7 +29,11 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
 FLOOR = "(floor)"
-"""Name of the floor in contacts. No token can have this name. In `Block.allowed_contacts`, also any fixed body."""
+"""Name of the floor in contacts. No token can have this name.
+
+In `Block.allowed_contacts`, `FLOOR` also stands for every place with a body, and for the fixed body on which a token
+rests.
+"""
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,10 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from itertools import permutations
 
 from hybrid_tamp.model.block import FLOOR, Block
+from hybrid_tamp.model.ground import ON_FLOOR
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import ANY, Literal, SymbolSort, Value
 from hybrid_tamp.model.state import State
@@ -17,7 +19,7 @@ class Contact:
     Attributes:
         tokens: names of the two tokens, or of a token and `FLOOR`.
         instances: names of the instances of the two tokens. The names are equal if both tokens are in the same
-            instance. The name is empty for the floor and for fixed bodies.
+            instance. The name is empty for the floor, for places and for the fixed body on which the other token rests.
         force: normal impulse over 10 ms, divided by 10 ms [N].
         time: end of the control period with the largest force [s].
         allowed: whether a running block allowed the contact.
@@ -46,8 +48,8 @@ class ContactRules:
 
     Each instance allows the pairs that its block declares. A pair of equal roles allows contact between the tokens with
     this role in all instances of the block. For example, tokens that rest may touch each other. `FLOOR` stands for the
-    floor and for every fixed body. A condition with a wildcard stands for every token for which the condition holds at
-    the time of the contact.
+    floor, for every place with a body, and for the fixed body on which the token rests. A condition with a wildcard
+    stands for every token for which the condition holds at the time of the contact.
     """
 
     def __init__(
@@ -62,8 +64,9 @@ class ContactRules:
         Args:
             blocks: maps each name to its block.
             running: the running instances.
-            fixed: names of the fixed bodies.
-            tokens: maps each name to its token. Required if a block allows contacts by a condition.
+            fixed: names of the places with a body.
+            tokens: maps each name to its token. Required if a token rests on a fixed body, or if a block allows
+                contacts by a condition.
         """
         self._tokens = tokens or {}
         self._conditions: list[tuple[str, Literal, Mapping[str, str]]] = []
@@ -104,4 +107,12 @@ class ContactRules:
     def _allow(self, pair: frozenset[str]) -> bool:
         if pair in self._pairs or any(pair <= group for group in self._groups.values()):
             return True
-        return not self._fixed.isdisjoint(pair) and frozenset((FLOOR, *(pair - self._fixed))) in self._pairs
+        return any(
+            frozenset((FLOOR, thing)) in self._pairs and (body in self._fixed or self.rests_on(thing, body))
+            for thing, body in permutations(pair)
+        )
+
+    def rests_on(self, thing: str, body: str) -> bool:
+        """Return whether a token rests on a body that nothing can move."""
+        ground = self._tokens[thing].ground if thing in self._tokens else ON_FLOOR
+        return ground.fixed and ground.body == body

@@ -72,6 +72,8 @@ class Predicate:
             displacements of the tokens by at most `radius` [m]. The radius can be infinite.
         confines: function ``confines(state, *values)`` that returns the `Disc` that must contain the first token.
         distance: function ``distance(state, *values)`` that returns the distance from the desired state [unit], >= 0.
+        detail: function ``detail(state, *values)`` that says why a static predicate does not hold, with names and
+            figures. None if the margin alone says enough.
         description: sentence with parameters in braces, e.g. ``"{object} is within {region}"``.
         denial: sentence for a predicate that does not hold, e.g. ``"{object} is not within {region}"``.
 
@@ -98,6 +100,7 @@ class Predicate:
     bound: Callable[..., FloatArray] | None = None
     confines: Callable[..., Disc] | None = None
     distance: Callable[..., FloatArray] | None = None
+    detail: Callable[..., str] | None = None
 
     def __post_init__(self) -> None:
         faults = list(self._faults())

@@ -11,6 +11,8 @@ GOAL = "goal"
 """Text that stands for the goal where the name of an instance is expected."""
 CLEAR = "clear"
 """Name of the condition that a movement hits no body that takes no part in the movement."""
+ON_TOP = "on_top"
+"""Name of the condition that a body which moves along the top of a table stays on this table."""
 
 MeasureKey = tuple[str, str]
 """Pair of (instance, performance measure)."""
@@ -80,7 +82,7 @@ class Shortfall:
         unit: unit of the margin.
         margin: signed margin of the condition [unit].
         remark: why nothing avoids a collision. Empty for other conditions.
-        place: where a collision is deepest [m], or None for other conditions.
+        place: where a collision is deepest, or where a body leaves a table [m]. None for other conditions.
         proven: whether the binding fails with all hyperparameters and paths. A failed search proves nothing.
     """
 
@@ -95,12 +97,15 @@ class Shortfall:
     @property
     def text(self) -> str:
         """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
+        where = "" if self.place is None else f" at ({', '.join(f'{each + 0.0:.2f}' for each in self.place)})"
         if self.atom.predicate == CLEAR:
             moving, other = self.atom.arguments
             hit = f"{moving} hits {other}, {-self.margin:.3g} m deep" if self.margin else f"{moving} meets {other}"
-            if self.place is not None:
-                hit += f" at ({', '.join(f'{each + 0.0:.2f}' for each in self.place)})"
+            hit += where
             return f"{hit}, {self.remark}" if self.remark else hit
+        if self.atom.predicate == ON_TOP:
+            thing, table = self.atom.arguments
+            return f"{thing} leaves the top of {table}: it reaches {-self.margin:.3g} m beyond the edge{where}"
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
 

@@ -9,6 +9,7 @@ from typing import Any
 from hybrid_tamp.errors import did_you_mean
 from hybrid_tamp.geometry.shapes import Shape
 from hybrid_tamp.model.affordance import TOKEN, BasicAction, ObjectClass, VaryingProperty, is_place
+from hybrid_tamp.model.ground import ON_FLOOR, Ground
 from hybrid_tamp.model.union import sort_classes, union_of
 
 
@@ -51,6 +52,8 @@ class Token:
         unknown: classes of which the token may or may not be a member.
         immovable: whether the token is a body that nothing can move, e.g. a wall. Only members of `TOKEN` that have no
             other class can be immovable.
+        ground: what the token rests on at the start (see `model.support.with_grounds`).
+        burden: names of the movable bodies that rest on the token at the start.
     """
 
     name: str
@@ -59,6 +62,8 @@ class Token:
     shape: Shape | None = None
     unknown: tuple[type[ObjectClass], ...] = ()
     immovable: bool = False
+    ground: Ground = ON_FLOOR
+    burden: tuple[str, ...] = ()
 
     @classmethod
     def make(
@@ -117,8 +122,9 @@ class Token:
 
     @cached_property
     def fixed(self) -> Hashable:
-        """Comparison key. Tokens with the same classes, properties and shape have equal keys."""
-        key = (self.classes, tuple(sorted(self.properties.items())), self.shape, self.immovable)
+        """Comparison key. Tokens with the same classes, properties, shape, ground and burden have equal keys."""
+        properties = tuple(sorted(self.properties.items()))
+        key = (self.classes, properties, self.shape, self.immovable, self.ground, self.burden)
         try:
             hash(key)
             return key

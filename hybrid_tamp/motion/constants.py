@@ -6,3 +6,5 @@ DEFAULT_MASS = 1.0
 """Mass of a token without the property `mass` [kg]."""
 DEFAULT_FRICTION = 0.5
 """Friction coefficient of a token without the property `friction`. The coefficients of two bodies multiply."""
+FLOOR_FRICTION = 1.0
+"""Friction coefficient of the floor."""

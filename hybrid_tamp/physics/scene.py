@@ -22,7 +22,6 @@ TORQUE = "torque"
 
 ROLLING_FRICTION = 0.005
 """Default rolling friction of a round body [m]. With zero rolling friction, the body would never stop."""
-FLOOR_FRICTION = 1.0
 
 _ACTIONS = {FORCE: 3, TORQUE: 3, GRIP: 1}
 # Maps each basic action to the fixed and the varying properties that its simulation requires.

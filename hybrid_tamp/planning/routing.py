@@ -11,13 +11,14 @@ from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.refined import CLEAR, RefinedPlan, Shortfall
+from hybrid_tamp.model.refined import CLEAR, ON_TOP, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.closest_pairs import find_closest_pairs
 from hybrid_tamp.planning.detours import CLEARANCES, find_detour
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
+from hybrid_tamp.planning.overhangs import Overhang, find_overhang
 from hybrid_tamp.planning.proofs import prove_blocked
 
 _LOG = logging.getLogger(__name__)
@@ -29,7 +30,8 @@ Evaluate = Callable[[TaskPlan, Rollouts], RefinedPlan]
 def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = NEVER) -> RefinedPlan:
     """Evaluate a plan, and add paths around bodies and an order of movements, until no movement hits anything.
 
-    If there is no path around a body, the shortfall of the result names the body.
+    If there is no path around a body, or if a body would leave the table on which it rests, the shortfall of the result
+    names the body.
 
     Args:
         task: task of the plan.
@@ -47,12 +49,22 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
         if refined.shortfall is not None:
             return refined
         movements = list(find_sweeps(task, refined.plan, rollouts.trace(refined.plan), deadline))
+        overhang = find_overhang(task, movements)
+        if overhang is not None:
+            return replace(refined, shortfall=_fall(overhang))
         changed = _avoid_bodies(task, refined, plan, movements) or _avoid_meetings(task, refined, plan, movements)
         if changed is None:
             return replace(refined, closest_pairs=find_closest_pairs(movements))
         if isinstance(changed, Shortfall):
             return replace(refined, shortfall=changed)
         plan = changed
+
+
+def _fall(overhang: Overhang) -> Shortfall:
+    """Return the reason why a body must not move beyond the edge of its table."""
+    atom = Atom(ON_TOP, (overhang.thing, overhang.table))
+    x, y, z = (float(each) for each in overhang.place)
+    return Shortfall(overhang.instance, atom, "m", -overhang.beyond, place=(x, y, z))
 
 
 def _avoid_bodies(

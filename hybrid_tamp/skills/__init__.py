@@ -57,6 +57,8 @@ from hybrid_tamp.skills.grippers import Graspable as Graspable
 from hybrid_tamp.skills.grippers import Gripper as Gripper
 from hybrid_tamp.skills.gripping import HANDLE_ENDS as HANDLE_ENDS
 from hybrid_tamp.skills.gripping import Grip as Grip
+from hybrid_tamp.skills.grounds import FREE_TO_MOVE as FREE_TO_MOVE
+from hybrid_tamp.skills.grounds import level_with as level_with
 from hybrid_tamp.skills.handles import attitude as attitude
 from hybrid_tamp.skills.handles import beside_handle as beside_handle
 from hybrid_tamp.skills.handles import hand_in as hand_in

@@ -10,6 +10,7 @@ from hybrid_tamp.geometry.agreement import CylinderSize, HalfExtents, ShapeFeatu
 from hybrid_tamp.geometry.shapes import Box, Cylinder, Shape
 from hybrid_tamp.model.affordance import AffordanceClass, BasicAction, CapabilityClass, PlaceClass, Vector3, quantity
 from hybrid_tamp.model.default_system import has_wrist
+from hybrid_tamp.model.laying import find_unlaid
 from hybrid_tamp.model.margins import without_rounding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.support import find_floating
@@ -17,8 +18,6 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.skills.vectors import UP, depth_in_workspace
 
-_MOST_RAISED = 0.01
-"""Largest distance of a region from the floor [m]."""
 _MOST_TILTED = np.radians(3.0)
 """Largest angle between the axis of a region or surface and the vertical [rad]."""
 
@@ -164,7 +163,7 @@ class Container(Surface):
 
 
 class Region(PlaceClass):
-    """A disc on the floor that can be the destination of an object."""
+    """A level disc on the floor or on a fixed body, which can be the destination of an object."""
 
     name: ClassVar[str] = "REGION"
 
@@ -172,12 +171,8 @@ class Region(PlaceClass):
 
     @staticmethod
     def consistent_start(token: Token, state: State, tokens: Iterable[Token]) -> str | None:
-        """Return an error message if the disc is not on the floor or not level, otherwise None."""
-        height = float(state[token, "position"][2])
-        if abs(height) > _MOST_RAISED:
-            limit = f"at z = 0 within {_MOST_RAISED:g} m, because blocks move objects over the floor only"
-            return f"a REGION is a disc on the floor, {limit}; it is at z = {height:g} m"
-        return _find_tilt(token, state)
+        """Return an error message if the disc is not level or lies on nothing that is fixed, otherwise None."""
+        return find_unlaid(token, token["radius"], state, tokens) or _find_tilt(token, state)
 
 
 def _find_tilt(token: Token, state: State) -> str | None:

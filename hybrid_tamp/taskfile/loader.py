@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.state import State
+from hybrid_tamp.model.support import with_grounds
 from hybrid_tamp.model.task import Limits, MidLevel, Range, Task
 from hybrid_tamp.taskfile.domains import domains_beside, find_task_file
 from hybrid_tamp.taskfile.entries import MidLevelEntry, RangeEntry, TaskFile
@@ -19,7 +20,7 @@ from hybrid_tamp.taskfile.places import Faults, KeyPath
 from hybrid_tamp.taskfile.primitives import teach
 from hybrid_tamp.taskfile.roles import read_agents, read_assignment
 from hybrid_tamp.taskfile.safety import read_safety
-from hybrid_tamp.taskfile.starts import check_starts
+from hybrid_tamp.taskfile.starts import check_starts, check_still, put_on_grounds
 from hybrid_tamp.taskfile.tokens import read_scene
 from hybrid_tamp.taskfile.wording import add_validation_faults
 from hybrid_tamp.taskfile.yaml.nodes import parse, read_text
@@ -43,10 +44,13 @@ def load_task(
         check_planner: function that checks the name of the planner in the file. If None, the name is not checked.
 
     Raises:
-        InputError: the file has faults; the issues list all faults with their lines and columns, in order.
+        InputError: the file has faults; the issues list all faults with their lines and columns, in order. Or a fixed
+            body of a task has a velocity.
     """
     if isinstance(source, Task):
-        return source
+        check_still(source)
+        tokens = with_grounds(source.tokens, source.state)
+        return source if tokens == source.tokens else source.replaced(tokens=tokens)
     path = source if isinstance(source, Path) else find_task_file(source)
     document = parse(read_text(path), str(path))
     finder = find_domain or domains_beside(path.parent)
@@ -79,6 +83,7 @@ def read_task(
     found = teach(data, faults, _find(data, faults, find_domain), folder)
     domain = read_safety(data, faults, read_midlevel(data, faults, found))
     scene = read_scene(data, faults, domain, folder)
+    put_on_grounds(data, faults, scene)
     goal = read_goal(data, faults, domain, scene)
     agents = read_agents(data, faults, scene)
     assignment = read_assignment(data, faults, domain, scene)

@@ -4,12 +4,14 @@ from typing import Any
 
 import numpy as np
 
+from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.geometry.convex import CONTACT, Body, lowest_height, placed
 from hybrid_tamp.geometry.overlaps import overlaps
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.support import find_floating
+from hybrid_tamp.model.support import find_floating, with_grounds
+from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.taskfile.places import Faults, KeyPath, shown
@@ -26,9 +28,7 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
         faults: the faults found so far. Tokens with a fault are skipped.
         scene: the tokens.
     """
-    sound = [t for t in scene.tokens if faults.sound(("tokens", t.name)) and data["tokens"][t.name].get("pose")]
-    names = {token.name for token in scene.tokens}
-    state = State.of(scene.tokens, {key: value for key, value in scene.given.items() if key[0] in names})
+    sound, state = _sound(data, faults, scene)
     bodies = [
         (token, placed(token.shape, state[token, "position"], state[token, "orientation"]))
         for token in sound
@@ -41,6 +41,37 @@ def check_starts(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
     if whole:
         for token in sound:
             _check_classes(token, state, scene, faults)
+
+
+def put_on_grounds(data: dict[str, Any], faults: Faults, scene: Scene) -> None:
+    """Add to the tokens of a scene what they rest on, and what rests on them. Tokens with a fault are left out."""
+    sound, state = _sound(data, faults, scene)
+    changed = {token.name: token for token in with_grounds(sound, state)}
+    scene.tokens = [changed.get(token.name, token) for token in scene.tokens]
+
+
+def check_still(task: Task) -> None:
+    """Check that no fixed body of a task has a velocity. In a task file, no body can have an initial velocity.
+
+    Raises:
+        InputError: a fixed body has a velocity; the issues list all of them.
+    """
+    moving = [
+        Issue(f"token {token.name}", f"a fixed body must have no {name}", f"{np.linalg.norm(value):.3g} {unit}")
+        for token in task.tokens
+        if token.fixed_body
+        for name, unit in (("velocity", "m/s"), ("angular_velocity", "rad/s"))
+        if (token.name, name) in task.state.layout.slices and np.any(value := task.state[token, name])
+    ]
+    if moving:
+        raise InputError(moving)
+
+
+def _sound(data: dict[str, Any], faults: Faults, scene: Scene) -> tuple[list[Token], State]:
+    """Return the tokens without faults that have a pose, and the state of all tokens."""
+    sound = [t for t in scene.tokens if faults.sound(("tokens", t.name)) and data["tokens"][t.name].get("pose")]
+    names = {token.name for token in scene.tokens}
+    return sound, State.of(scene.tokens, {key: value for key, value in scene.given.items() if key[0] in names})
 
 
 def _path(token: Token) -> KeyPath:

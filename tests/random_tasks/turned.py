@@ -1,4 +1,4 @@
-"""Random tasks of tumbling in which the box has any yaw, and hands that can turn start anywhere around the box."""
+"""Random tasks of tumbling and lifting in which the box has any yaw, and the hands start anywhere around the box."""
 
 import numpy as np
 from hybrid_tamp_domains.rolling_tumbling import DOMAIN
@@ -14,6 +14,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_from_rpy, rotate
 from hybrid_tamp.skills import HORIZONTAL, NORMALS, StaticEndEffector, TurningEndEffector
+from random_tasks.lifting import random_lifting
 from random_tasks.tumbling import HAND, HANDS, random_box
 
 YAWS = 72
@@ -49,10 +50,29 @@ def random_turned(seed: int) -> Task:
     given: dict[tuple[str, str], ArrayLike] = {(thing.name, "position"): centre, (thing.name, "orientation"): turn}
     taken: list[FloatArray] = []
     for hand in hands:
-        place, orientation = _draw_start(rng, thing, centre, turn, side, taken)
+        place, orientation = _draw_start(rng, thing, centre, turn, side, taken, upright=False)
         given[hand.name, "position"], given[hand.name, "orientation"] = place, orientation
         taken.append(place)
     return _make_task(f"turned_{seed}", seed, (*hands, thing), given, "right")
+
+
+def random_lift_around(seed: int) -> Task:
+    """Return a task of lifting in which the box has any yaw, and two upright hands start anywhere within 0.8 m.
+
+    The hands start clear of the box and of each other. For odd seeds, both hands start on the same side.
+    """
+    task, rng = random_lifting(seed), np.random.default_rng([seed, 5])
+    thing = task.token_by_name["box"]
+    centre, turn = task.state[thing, "position"], quaternion_from_rpy(np.array([0.0, 0.0, rng.uniform(-np.pi, np.pi)]))
+    side = float(rng.choice([-1.0, 1.0])) if seed % 2 else 0.0
+    changes: dict[tuple[str, str], ArrayLike] = {(thing.name, "orientation"): turn}
+    taken: list[FloatArray] = []
+    for hand in task.tokens:
+        if hand is not thing:
+            place, _ = _draw_start(rng, thing, centre, turn, side, taken, upright=True)
+            changes[hand.name, "position"] = place
+            taken.append(place)
+    return task.replaced(name=f"lift_around_{seed}", state=task.state.replace(changes))
 
 
 def stiff_turned(seed: int) -> Task:
@@ -83,7 +103,13 @@ def _make_task(
 
 
 def _draw_start(
-    rng: np.random.Generator, thing: Token, centre: FloatArray, turn: FloatArray, side: float, taken: list[FloatArray]
+    rng: np.random.Generator,
+    thing: Token,
+    centre: FloatArray,
+    turn: FloatArray,
+    side: float,
+    taken: list[FloatArray],
+    upright: bool,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the position ``(3,)`` [m] and orientation ``(4,)`` of a hand that touches nothing.
 
@@ -94,10 +120,11 @@ def _draw_start(
         turn: orientation of the box ``(4,)``.
         side: -1 for the left side of the box, 1 for its right side, 0 for both.
         taken: positions of other hands ``(3,)`` [m].
+        upright: whether the hand is upright. Otherwise, it has any orientation.
     """
     while True:
         place = rng.uniform((-_REACH, -_REACH, 0.0), _REACH)
-        orientation = rng.normal(size=4)
+        orientation = np.array([0.0, 0.0, 0.0, 1.0]) if upright else rng.normal(size=4)
         orientation /= np.linalg.norm(orientation)
         offset = rotate(quaternion_conjugate(turn), place - centre * HORIZONTAL)
         apart = all(np.linalg.norm(place - other) >= _APART for other in taken)

@@ -18,9 +18,10 @@ import pybullet
 from hybrid_tamp.geometry.meshes import Hull, MeshShape, obj_text
 from hybrid_tamp.geometry.shapes import Box, Compound, Cylinder, Shape, Solid
 from hybrid_tamp.model.control import CONTROL_PERIOD
+from hybrid_tamp.motion.constants import FLOOR_FRICTION
 from hybrid_tamp.physics.bullet.solids import place_solids
 from hybrid_tamp.physics.protocol import Resource
-from hybrid_tamp.physics.scene import FLOOR_FRICTION, Body
+from hybrid_tamp.physics.scene import Body
 
 SUBSTEPS = 4
 """Number of substeps per control period."""

@@ -9,7 +9,8 @@ from hybrid_tamp.geometry.triangles import Mesh, box, cylinder, placed_solid, so
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
-from hybrid_tamp.physics.pictures.subject import goal_tokens
+from hybrid_tamp.physics.pictures.outlines import disc_radius, is_raised
+from hybrid_tamp.physics.pictures.subject import goal_reach, goal_tokens
 
 Colour = tuple[float, float, float]
 """Components red, green and blue, each from 0 to 1."""
@@ -85,9 +86,15 @@ def class_text(token: Token) -> str:
 
 
 def draw_tokens(task: Task) -> list[ColouredMesh]:
-    """Return the meshes of all tokens with a shape."""
+    """Return the meshes of all tokens with a shape, and of all discs above the floor."""
     colours = choose_colours(task)
-    return [each for token in task.tokens for each in _draw_token(token, colours[token.name])]
+    discs = [
+        each
+        for token in task.tokens
+        if is_raised(task.state, token)
+        for each in _draw_disc(token.name, disc_radius(token), goal_reach(task, token), colours[token.name])
+    ]
+    return [*discs, *(each for token in task.tokens for each in _draw_token(token, colours[token.name]))]
 
 
 def _scale_of(token: Token, goals: frozenset[str]) -> Sequence[Colour]:
@@ -108,8 +115,16 @@ def _draw_token(token: Token, colour: Colour) -> Iterator[ColouredMesh]:
         yield from _compound(token.name, token.shape, colour)
         return
     yield ColouredMesh(token.name, solid(token.shape), colour)
-    if not token.place and not token.basic_actions:
+    if not token.fixed_body and not token.place and not token.basic_actions:
         yield ColouredMesh(token.name, _mark(token.shape), _shaded(colour, -_DARK), mark=True)
+
+
+def _draw_disc(name: str, radius: float, reach: float, colour: Colour) -> Iterator[ColouredMesh]:
+    """Yield a disc, and a cross whose arms reach beyond the objects on the disc."""
+    yield ColouredMesh(name, cylinder(radius, 2.0 * _THIN), colour)
+    if reach > 0.0:
+        for halves in ((reach, 2.0 * _THIN, _THIN), (2.0 * _THIN, reach, _THIN)):
+            yield ColouredMesh(name, box(halves), colour)
 
 
 def _compound(name: str, shape: Compound | MeshShape, colour: Colour) -> Iterator[ColouredMesh]:

@@ -14,7 +14,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures.appearance import ColouredMesh, choose_colours, draw_tokens
 from hybrid_tamp.physics.pictures.floor import Region, draw_shadows, paint_floor, tile_size
-from hybrid_tamp.physics.pictures.outlines import disc_radius
+from hybrid_tamp.physics.pictures.outlines import disc_radius, is_raised
 from hybrid_tamp.physics.pictures.sight import choose_shot
 from hybrid_tamp.physics.pictures.subject import goal_reach
 from hybrid_tamp.physics.pictures.view import Rectangle, View, merge_rectangles, overlap
@@ -59,7 +59,8 @@ class Renderer(Resource):
         # The tiles keep their size if the camera moves.
         self._tile = tile_size(view)
         meshes = draw_tokens(task)
-        self._solids = {token.name: _solids_of(token.name, meshes) for token in task.tokens if token.shape is not None}
+        drawn = {each.token for each in meshes}
+        self._solids = {token.name: _solids_of(token.name, meshes) for token in task.tokens if token.name in drawn}
         self._regions = list(_regions_of(task))
         self._floor: tuple[bytes, Image.Image] | None = None
         self._drawn: dict[tuple[Rectangle, bytes], Image.Image] = {}
@@ -124,10 +125,10 @@ def open_renderer(task: Task, recording: Recording, width: int = WIDTH, height: 
 
 
 def _regions_of(task: Task) -> Iterator[Region]:
-    """Yield the regions of all tokens without a shape."""
+    """Yield the discs on the floor."""
     colours = choose_colours(task)
     for token in task.tokens:
-        if token.shape is None:
+        if token.shape is None and not is_raised(task.state, token):
             yield Region(token.name, disc_radius(token), colours[token.name], goal_reach(task, token))
 
 

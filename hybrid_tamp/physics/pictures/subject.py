@@ -14,7 +14,7 @@ from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import rotate
 from hybrid_tamp.physics.pictures.camera import Spheres
-from hybrid_tamp.physics.pictures.outlines import bounding_box, bounding_radius, disc_radius
+from hybrid_tamp.physics.pictures.outlines import bounding_box, bounding_radius, disc_radius, is_raised
 
 _DECIMALS = 5
 _STILL = 1e-3
@@ -89,6 +89,7 @@ def _corners(task: Task, token: Token, run: State) -> FloatArray:
     position = run[token, "position"][:, None]
     if token.shape is None:
         level = np.array([1.0, 1.0, 0.0])
-        return np.asarray((position + max(disc_radius(token), goal_reach(task, token)) * signs) * level)
+        rim = max(disc_radius(token), goal_reach(task, token)) * signs
+        return position + rim * level if is_raised(task.state, token) else np.asarray((position + rim) * level)
     middle, half = bounding_box(token)
     return position + rotate(run[token, "orientation"][:, None], middle + signs * half)

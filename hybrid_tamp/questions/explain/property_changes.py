@@ -136,6 +136,7 @@ def _with(task: Task, token: Token, key: str, component: int | None, value: floa
     own = [member for member in token.classes if member is not task_root(task)]
     try:
         made = Token.make(token.name, own, {**token.properties, key: number}, token.shape, token.unknown)
+        made = replace(made, ground=token.ground, burden=token.burden)
     except ValidationError:
         return None
     with authored(f"the function consistent of a class of {token.name}", {"token": made}):

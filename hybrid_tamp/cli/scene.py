@@ -1,0 +1,35 @@
+"""The verb ``scene``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hybrid_tamp.cli import options
+
+
+def scene(
+    task: options.Task,
+    files: Annotated[list[Path], typer.Argument(metavar="FILES...", help="URDF files and mesh files (OBJ)")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE", help="task file to write")],
+    position: Annotated[
+        tuple[float, float, float],
+        typer.Option("--at", metavar="X Y Z", help="position of the origin of the files [m]"),
+    ] = (0.0, 0.0, 0.0),
+    force: options.Force = False,
+) -> None:
+    """Add bodies that nothing can move to a task, e.g. the walls and shelves of a URDF file.
+
+    Example: hybrid-tamp scene roll_cylinder kitchen.urdf -o kitchen.yaml
+    """
+    from hybrid_tamp.report.folder import check_new_file
+    from hybrid_tamp.taskfile.loader import load_task
+    from hybrid_tamp.taskfile.saving import save_task
+    from hybrid_tamp.verbs.scene import add_scene
+
+    check_new_file(output, "the task file", force=force)
+    before = load_task(task)
+    found = add_scene(before, files, position)
+    save_task(found, output)
+    added = [token.name for token in found.tokens[len(before.tokens) :]]
+    typer.echo(f"wrote {output}: {len(added)} bodies added ({', '.join(added)})")
