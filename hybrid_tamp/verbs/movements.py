@@ -40,12 +40,14 @@ def draw_plan(outcome: PlanOutcome, file: Path, deadline: Deadline = NEVER) -> P
 
 
 def draw_into(folder: RunFolder, outcome: PlanOutcome, deadline: Deadline = NEVER) -> None:
-    """Draw the movements of a plan into the folder of a run, unless there are no movements.
+    """Draw the movements of a plan into the folder of a run, unless there are no movements or a limit was reached.
 
     Raises:
         InputError: the folder is not writable.
         LimitReached: the deadline passes.
     """
+    if outcome.status == "limit":
+        return
     swept = sweep_plan(outcome, deadline)
     if swept.paths:
         write_picture(swept, folder.path / MOVEMENTS)

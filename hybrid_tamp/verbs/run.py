@@ -82,8 +82,10 @@ def run(
         planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
         outcome = _plan(task, planning, process, tell, backend, deadline)
         save_plan(outcome, target)
-        draw_into(target, outcome, deadline)
-        write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
+        try:
+            draw_into(target, outcome, deadline)
+        finally:
+            write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
         plan = outcome.required()
         with EventLog(target.path / "events.jsonl") as events:
             recording = execute(task, plan, physics, partial(_tell, tell, "running"), events, deadline)
