@@ -22,14 +22,7 @@ def scene(
 
     Example: hybrid-tamp scene roll_cylinder kitchen.urdf -o kitchen.yaml
     """
-    from hybrid_tamp.report.folder import check_new_file
-    from hybrid_tamp.taskfile.loader import load_task
-    from hybrid_tamp.taskfile.saving import save_task
-    from hybrid_tamp.verbs.scene import add_scene
+    from hybrid_tamp.verbs.scene import write_scene
 
-    check_new_file(output, "the task file", force=force)
-    before = load_task(task)
-    found = add_scene(before, files, position)
-    save_task(found, output)
-    added = [token.name for token in found.tokens[len(before.tokens) :]]
+    added = write_scene(task, files, output, position, force=force)
     typer.echo(f"wrote {output}: {len(added)} bodies added ({', '.join(added)})")

@@ -29,11 +29,8 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
 FLOOR = "(floor)"
-"""Name of the floor in contacts. No token can have this name.
-
-In `Block.allowed_contacts`, `FLOOR` also stands for every place with a body, and for the fixed body on which a token
-rests.
-"""
+"""Name of the floor in contacts. No token can have this name. In `Block.allowed_contacts`, `FLOOR` also stands for
+every place with a body, and for the fixed body on which a token rests."""
 
 
 @dataclass(frozen=True)
@@ -131,9 +128,8 @@ class Block:
         movement: movement that the motor primitive represents, or None.
         path: slot whose token follows `Parameters.path`, a path of the token's position, if the plan gives one. None if
             the policy ignores paths.
-        straight: maps slots whose tokens always move straight, whatever the hyperparameters, to functions
-            ``direction(binding, start)`` that return the unit vector of the movement, ``(3,)``. Proofs that a body
-            blocks the movement use these directions.
+        straight: maps slots whose tokens always move straight to functions ``direction(binding, start)``, which return
+            the unit vector ``(3,)`` of the movement. Proofs that a body blocks the movement use these directions.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
             declared either, the final state is that of a rollout.
         description: description in one line.

@@ -12,8 +12,10 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.poses import check_size
+from hybrid_tamp.report.folder import check_new_file
 from hybrid_tamp.taskfile.loader import load_task
 from hybrid_tamp.taskfile.meshfile import read_mesh
+from hybrid_tamp.taskfile.saving import save_task
 from hybrid_tamp.taskfile.urdf import SceneBody, read_urdf
 
 _UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
@@ -45,6 +47,28 @@ def add_scene(source: Task | Path | str, files: Sequence[Path | str], position: 
         tokens.append(token)
         given[token.name, "position"], given[token.name, "orientation"] = origin + body.position, body.orientation
     return task.replaced(tokens=tuple(tokens), state=State.of(tokens, given), source=None)
+
+
+def write_scene(
+    source: str, files: Sequence[Path], target: Path, position: ArrayLike = (0.0, 0.0, 0.0), *, force: bool = False
+) -> tuple[str, ...]:
+    """Write a task file with the bodies of files (see `add_scene`), and return the names of the new tokens.
+
+    Args:
+        source: path of a task file, or the name of a bundled task.
+        files: URDF files and mesh files (OBJ).
+        target: the task file to write.
+        position: position of the origin of the files in the world [m], shape ``(3,)``.
+        force: whether an existing file is replaced.
+
+    Raises:
+        InputError: the task or a file has faults, the file exists or cannot be written, or bodies overlap.
+    """
+    check_new_file(target, "the task file", force=force)
+    task = load_task(source)
+    found = add_scene(task, files, position)
+    save_task(found, target)
+    return tuple(token.name for token in found.tokens[len(task.tokens) :])
 
 
 def _read(path: Path) -> list[SceneBody]:
