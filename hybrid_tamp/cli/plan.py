@@ -21,6 +21,9 @@ def plan(
     domain: options.Domain = None,
     planner: options.Planner = None,
     objective: options.Objective = None,
+    draw: Annotated[
+        Path | None, typer.Option("--draw", metavar="FILE.png", help="picture of the movements (.png, .svg or .pdf)")
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="folder for the files of the plan")] = None,
     force: options.Force = False,
     seed: options.Seed = None,
@@ -52,9 +55,9 @@ def plan(
             return
         with progress_bar() as tell:
             outcome = plan_task(
-                task, settings, folder=output, force=force, optimise=optimise, planner=process, progress=tell
+                task, settings, folder=output, force=force, optimise=optimise, draw=draw, planner=process, progress=tell
             )
-    _show(outcome, as_json)
+    _show(outcome, as_json, draw)
     _judge(outcome)
 
 
@@ -76,10 +79,17 @@ def _compare(task: str, settings: "Settings", as_json: bool) -> None:
     say(comparison_document(task, results), as_json, lambda: comparison_of_planners(task, results))
 
 
-def _show(outcome: "PlanOutcome", as_json: bool) -> None:
+def _show(outcome: "PlanOutcome", as_json: bool, drawn: Path | None) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.refinement_tables import refinement_tables
-    from hybrid_tamp.report.tables import explanation_text, network_text, plan_footer, plan_table, timeline
+    from hybrid_tamp.report.tables import (
+        clearance_text,
+        explanation_text,
+        network_text,
+        plan_footer,
+        plan_table,
+        timeline,
+    )
 
     shown = document(outcome)
     say(shown, as_json)
@@ -94,4 +104,7 @@ def _show(outcome: "PlanOutcome", as_json: bool) -> None:
         if outcome.refinement is not None:
             show(refinement_tables(shown["refinement"]))
         show(plan_footer(shown))
+        show(clearance_text(shown["clearance"]))
     show(network_text(shown["network"]), stderr=outcome.plan is None)
+    if drawn is not None:
+        show(f"picture: {drawn}", stderr=outcome.plan is None)

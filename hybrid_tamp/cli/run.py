@@ -103,7 +103,7 @@ def _judge(result: "RunResult", as_json: bool) -> None:
 def _show(result: "RunResult", as_json: bool, written: Mapping[str, Path | None]) -> None:
     from hybrid_tamp.report.documents import document
     from hybrid_tamp.report.refinement_tables import comparison_table, refinement_tables
-    from hybrid_tamp.report.tables import plan_table, result_table
+    from hybrid_tamp.report.tables import clearance_text, plan_table, result_table
 
     shown, plan = document(result), document(result.outcome)
     say(
@@ -112,6 +112,7 @@ def _show(result: "RunResult", as_json: bool, written: Mapping[str, Path | None]
         lambda: plan_table(plan, result.task.domain.resting),
         lambda: refinement_tables(plan["refinement"], shown["performance"]) if plan["refinement"] else "",
         lambda: result_table(shown),
+        lambda: clearance_text(shown["clearance"]),
         lambda: comparison_table(shown["comparison"]) if shown["comparison"] else "",
         lambda: "\n".join(f"{kind}: {path}" for kind, path in written.items() if path),
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from hybrid_tamp.collision.cores import DEPTHS, Core, make_cores
 from hybrid_tamp.geometry.convex import lowest_height, placed, reach_of
-from hybrid_tamp.geometry.shapes import Shape
+from hybrid_tamp.geometry.shapes import Cylinder, Shape, Sphere
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
@@ -45,11 +45,13 @@ class Body:
         name: name of the token.
         shape: shape of the token.
         reach: radius of the ball around the origin of the body frame that contains the body [m].
+        axial: whether a turn about the z axis of the body frame leaves the body unchanged.
     """
 
     def __init__(self, name: str, shape: Shape) -> None:
         self.name, self.shape = name, shape
         self.reach = reach_of(shape)
+        self.axial = isinstance(shape, Cylinder | Sphere)
         self._solids: dict[float | None, list[tuple[Core, Any]]] = {}
 
     def height(self, pose: Pose) -> float:

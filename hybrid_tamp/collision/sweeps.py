@@ -1,26 +1,30 @@
 """Least distances during movements, by bisection on distances.
 
-Between two poses, no point of a body moves farther than ``|dx| + r |dangle|``, where r is the reach of the body. So the
-distance on an interval is at least ``(d0 + d1 - |dx| - r |dangle|) / 2``, where d0 and d1 are the distances at its
-ends. The interval with the least bound is divided until no bound is much below the least distance that was found. In
-contrast to samples at fixed steps, this search misses no contact.
+Between two poses, no point of a body moves farther than ``|dx| + r |dangle|``, where r is the reach of the body. A turn
+of a cylinder about its axis does not count. So the distance on an interval is at least ``(d0 + d1 - |dx| - r |dangle|)
+/ 2``, where d0 and d1 are the distances at its ends. The interval with the least bound is divided until no bound is
+much below the least distance that was found. In contrast to samples at fixed steps, this search misses no contact.
 """
 
 import heapq
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import acos, sin
+from math import acos, hypot, sin
 
 import numpy as np
 
 from hybrid_tamp.collision.bodies import Body, Pose, bound_distance, find_nearest
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply
 
 FLOOR = "(floor)"
 """Name of the floor among the bodies that a movement may come near to."""
 PRECISION = 1e-3
 """Default precision of a least distance [m]."""
+
+_TINY = 1e-6
+"""Angle below which the axis of a turn is not computed [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +62,15 @@ class Track:
         return float(np.linalg.norm(outside)) - self.body.reach - other.reach
 
     def bound(self, begin: float, end: float) -> float:
-        """Return an upper bound of the path of any point of the body between two phases of one interval [m]."""
+        """Return an upper bound of the path of the body between two phases of one interval [m].
+
+        The path is that of any point of the body or, for a cylinder, of any point that does not turn about the axis.
+        """
         index = min(int(begin), max(len(self.positions) - 2, 0))
         if len(self.positions) == 1:
             return 0.0
         step = float(np.linalg.norm(self.positions[index + 1] - self.positions[index]))
-        turn = _angle_between(self.orientations[index], self.orientations[index + 1])
+        turn = _turn_between(self.orientations[index], self.orientations[index + 1], self.body.axial)
         return (end - begin) * (step + self.body.reach * turn)
 
 
@@ -168,8 +175,13 @@ def _interval(
     return (first + last - track.bound(begin, end)) / 2.0, begin, end, first, last
 
 
-def _angle_between(one: FloatArray, other: FloatArray) -> float:
-    return 2.0 * acos(min(abs(float(one @ other)), 1.0))
+def _turn_between(one: FloatArray, other: FloatArray, axial: bool) -> float:
+    """Return the angle of the turn between two orientations or, if `axial`, the path of the z axis on a unit sphere."""
+    angle = 2.0 * acos(min(abs(float(one @ other)), 1.0))
+    if not axial or angle < _TINY:
+        return angle
+    x, y, z, _ = quaternion_multiply(quaternion_conjugate(one), other)
+    return angle * hypot(x, y) / hypot(x, y, z)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:

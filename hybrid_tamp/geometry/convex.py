@@ -59,6 +59,19 @@ class ConvexBody:
             offset = offset + direction * (self.ball / float(np.linalg.norm(direction)))
         return self.position + offset
 
+    def supports(self, directions: FloatArray) -> FloatArray:
+        """Return the furthest points of the body along m non-zero vectors, in the world frame [m]. Shape ``(m, 3)``."""
+        local = directions @ self.axes.T
+        if self.points is not None:
+            return np.asarray(self.position + self.points[np.argmax(local @ self.points.T, axis=1)] @ self.axes)
+        point = np.sign(local) * self.half
+        across = np.hypot(local[:, 0], local[:, 1])
+        point[:, :2] += (
+            local[:, :2] * np.divide(self.disc, across, out=np.zeros_like(across), where=across > 0)[:, None]
+        )
+        outward = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        return np.asarray(self.position + point @ self.axes + self.ball * outward)
+
     def extents(self, directions: FloatArray) -> FloatArray:
         """Return the largest coordinate of the body along each of m vectors [m]. ``(m, 3)`` gives ``(m,)``."""
         local = directions @ self.axes.T

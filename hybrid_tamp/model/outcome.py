@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from hybrid_tamp.errors import HybridTampError, LimitReached, NoPlan
+from hybrid_tamp.model.closest_pair import ClosestPair
 from hybrid_tamp.model.explanation import Explanation
 from hybrid_tamp.model.plan import BlockInstance, Fewest, Step, TaskPlan
 from hybrid_tamp.model.planned_network import PlannedNetwork
@@ -97,10 +98,12 @@ class Exclusion:
     Attributes:
         instance: block instance whose binding was excluded.
         shortfall: condition that no values of the hyperparameters satisfy.
+        plan: plan that fails, with its hyperparameters and paths, or None if unknown.
     """
 
     instance: BlockInstance
     shortfall: Shortfall
+    plan: TaskPlan | None = None
 
     @property
     def text(self) -> str:
@@ -123,6 +126,7 @@ class PlanOutcome(Tabular):
         explanation: explanation of why the task has no plan, or None.
         refinement: plan with optimised hyperparameters, or None.
         excluded: bindings that were excluded before this plan was found, in the order of exclusion.
+        closest_pairs: closest pair of bodies in each movement. Empty if the movements were not compared with bodies.
     """
 
     task: Task
@@ -134,6 +138,7 @@ class PlanOutcome(Tabular):
     explanation: Explanation | None = None
     refinement: RefinedPlan | None = None
     excluded: tuple[Exclusion, ...] = ()
+    closest_pairs: tuple[ClosestPair, ...] = ()
 
     @property
     def rows(self) -> Rows:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from hybrid_tamp.model.closest_pair import ClosestPair
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 
@@ -168,6 +169,7 @@ class RefinedPlan:
         stopped: reason why the optimiser stopped.
         history: convergence curve of the optimisation.
         physics: result of further optimisation in physics, or None if not requested.
+        closest_pairs: closest pair of bodies in each movement. Empty if the movements were not compared with bodies.
     """
 
     plan: TaskPlan
@@ -184,3 +186,4 @@ class RefinedPlan:
     stopped: str
     history: tuple[Milestone, ...]
     physics: Retuning | None = None
+    closest_pairs: tuple[ClosestPair, ...] = ()

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from hybrid_tamp.model.closest_pair import ClosestPair
 from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance
@@ -76,6 +77,7 @@ class RunResult(Tabular):
         performance: predicted and measured performance measures.
         law: violations of the law of assignment in the recording.
         comparison: values with optimised hyperparameters and with the defaults. Empty if not requested.
+        closest_pairs: closest pair of bodies in each movement, with planned and measured distances.
     """
 
     outcome: PlanOutcome
@@ -86,6 +88,7 @@ class RunResult(Tabular):
     performance: tuple[Performance, ...]
     law: tuple[Violation, ...]
     comparison: tuple[Compared, ...] = ()
+    closest_pairs: tuple[ClosestPair, ...] = ()
 
     @property
     def task(self) -> Task:

@@ -13,11 +13,14 @@ from hybrid_tamp.collision.bodies import Body, Nearest, Pose, bodies_of, bound_d
 from hybrid_tamp.collision.sweeps import Clearance, Track, find_clearance
 from hybrid_tamp.midlevel.predictions import Trace
 from hybrid_tamp.model.contacts import ContactRules
+from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.grasp import pass_through
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.precedence import Precedence
+from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 
 _EVERY = 8
 """Number of control steps between two poses of a track."""
@@ -62,17 +65,22 @@ class Sweep:
                 best = find_clearance([track], [(each.body, each.pose)], limit=limit) or best
         return best
 
+    @property
+    def times(self) -> FloatArray:
+        """Times of the poses of the tracks from the start of the movement [s], shape ``(k,)``."""
+        return np.array(_rows(self.trace.states)) * CONTROL_PERIOD
+
     def place_of(self, hit: Clearance) -> tuple[float, float, float]:
         """Return the place of a collision, which is the middle between the nearest points of the bodies' cores [m]."""
-        x, y, z = (float(each) for each in self._find_nearest(hit, hit.phase).points.mean(axis=0))
+        x, y, z = (float(each) for each in self.find_nearest_at(hit, hit.phase).points.mean(axis=0))
         return x, y, z
 
     def ends_inside(self, hit: Clearance) -> bool:
         """Return whether the two bodies of a collision overlap at the end of the movement."""
-        return self._find_nearest(hit, np.inf).distance < 0
+        return self.find_nearest_at(hit, np.inf).distance < 0
 
-    def _find_nearest(self, hit: Clearance, phase: float) -> Nearest:
-        """Return the distance of the bodies of a collision at a phase, or at the end of the movement."""
+    def find_nearest_at(self, hit: Clearance, phase: float) -> Nearest:
+        """Return the distance of the bodies of a least distance at a phase, or at the end of the movement."""
         index = next(i for i, track in enumerate(self.tracks) if track.body.name == hit.moving)
         track = self.tracks[index]
         other = next(each for each in self.neighbours[index] if each.body.name == hit.other)
@@ -119,7 +127,7 @@ def _find_sweep(
     tracks, neighbours = [], []
     for slot, name in instance.slots.items():
         if name in bodies and "position" in blocks[instance.block].writes.get(slot, ()):
-            tracks.append(_track(bodies[name], trace))
+            tracks.append(track_of(bodies[name], trace.states))
             mine = task.token_by_name[name]
             others = (
                 other
@@ -130,11 +138,15 @@ def _find_sweep(
     return Sweep(instance, trace, tuple(tracks), tuple(neighbours))
 
 
-def _track(body: Body, trace: Trace) -> Track:
-    last = len(trace.states.values) - 1
-    rows = [*range(0, last, _EVERY), last]
-    states = trace.states
+def track_of(body: Body, states: State) -> Track:
+    """Return the track of a body in states with batch shape ``(t,)``, one per control step."""
+    rows = _rows(states)
     return Track(body, states[body.name, "position"][rows], states[body.name, "orientation"][rows])
+
+
+def _rows(states: State) -> list[int]:
+    last = len(states.values) - 1
+    return [*range(0, last, _EVERY), last]
 
 
 def allow_contact(one: Body, at: Pose, other: Body, there: Pose) -> float:

@@ -58,7 +58,7 @@ def plan_and_refine(
         return _optimise(outcome, plan, progress, backend, workers, deadline)
 
     def accept(outcome: PlanOutcome, refined: RefinedPlan) -> PlanOutcome:
-        return replace(outcome, plan=refined.plan, refinement=refined)
+        return replace(outcome, plan=refined.plan, refinement=refined, closest_pairs=refined.closest_pairs)
 
     return _replan(find_plan(task), find_plan, optimise, accept)
 
@@ -83,7 +83,8 @@ def avoid_collisions(outcome: PlanOutcome, find_plan: FindPlan, deadline: Deadli
 
     def accept(outcome: PlanOutcome, refined: RefinedPlan) -> PlanOutcome:
         changed = refined.plan.order or any(instance.path for instance in refined.plan.instances)
-        return replace(outcome, plan=refined.plan) if changed else outcome
+        plan = refined.plan if changed else outcome.plan
+        return replace(outcome, plan=plan, closest_pairs=refined.closest_pairs)
 
     return _replan(outcome, find_plan, evaluate, accept)
 
@@ -111,7 +112,7 @@ def _replan(
         planned = outcome.plan
         failing = _failing_instance(current, planned, refined.shortfall)
         _LOG.info("the plan is refused, because in %s, %s", failing.name, refined.shortfall.text)
-        excluded = (*excluded, Exclusion(failing, refined.shortfall))
+        excluded = (*excluded, Exclusion(failing, refined.shortfall, refined.plan))
         outcome = replace(outcome, excluded=excluded)
         try:
             current = _exclude(outcome.chosen or current, current, planned, failing)

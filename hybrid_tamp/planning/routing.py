@@ -15,6 +15,7 @@ from hybrid_tamp.model.refined import CLEAR, ON_TOP, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Sweep, find_sweeps
+from hybrid_tamp.planning.closest_pairs import find_closest_pairs
 from hybrid_tamp.planning.detours import CLEARANCES, find_detour
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 from hybrid_tamp.planning.overhangs import Overhang, find_overhang
@@ -53,7 +54,7 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
             return replace(refined, shortfall=_fall(overhang))
         changed = _avoid_bodies(task, refined, plan, movements) or _avoid_meetings(task, refined, plan, movements)
         if changed is None:
-            return refined
+            return replace(refined, closest_pairs=find_closest_pairs(movements))
         if isinstance(changed, Shortfall):
             return replace(refined, shortfall=changed)
         plan = changed

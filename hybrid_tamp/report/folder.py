@@ -10,7 +10,7 @@ from hybrid_tamp.errors import InputError, Issue
 
 RUN_FILES = (
     *("task.yaml", "domain.py", "plan.json", "domain.pddl", "problem.pddl", "plan.pddl", "result.json"),
-    *("recording.npz", "events.jsonl", "video.mp4", "video.gif", "convergence.png", "report.html"),
+    *("recording.npz", "events.jsonl", "video.mp4", "video.gif", "convergence.png", "movements.png", "report.html"),
 )
 NUMBERED_FILES = ("step-*.png", "primitive-[0-9][0-9].json", "mesh-[0-9][0-9].obj")
 

@@ -52,6 +52,8 @@ def _of(attribute: str, *names: str) -> Keys:
 
 
 _TASK: Keys = (Key("task", "task.name"), Key("domain", "task.domain.name"))
+_PLANNED_PAIR: Keys = ("instance", "moving", "other", "distance", "time", "points")
+_MEASURED_PAIR: Keys = ("instance", "moving", "other", "distance", "measured")
 _GOAL: Keys = ("atom", Key("margin", "measured"), "holds")
 
 _REFINEMENT: Keys = (
@@ -118,6 +120,7 @@ _RESULT: Keys = (
     "performance",
     Key("law", sources.breaches),
     Key("comparison", default=list),
+    Key("clearance", "closest_pairs", default=list, keys=_MEASURED_PAIR),
 )
 
 _IMITATION: Keys = (
@@ -142,6 +145,7 @@ KEYS: Mapping[type, Keys] = {
         Key("actions", sources.actions),
         "steps",
         Key("order", default=list),
+        Key("clearance", "closest_pairs", default=list, keys=_PLANNED_PAIR),
         "network",
         "explanation",
         Key("refinement", sources.refined, default=None, keys=_REFINEMENT),

@@ -103,12 +103,18 @@ class Labels:
         self, draw: ImageDraw.ImageDraw, place: Rectangle, body: Rectangle, colour: tuple[int, int, int]
     ) -> None:
         """Draw a line from a label to its body if the label does not touch the body."""
+        leader = self.lead(place, body)
+        if leader is not None:
+            draw.line(leader, fill=colour, width=self._gap // 4 + 1)
+
+    def lead(self, place: Rectangle, body: Rectangle) -> list[tuple[float, float]] | None:
+        """Return the ends of a line from a label to its body, or None if the label is near the body."""
         start = _nearest(place, _middle(body))
         end = _nearest(body, start)
-        if max(abs(start[0] - end[0]), abs(start[1] - end[1])) > 2 * self._gap:
-            # The line ends inside the rectangle, which is usually larger than the body.
-            inside = ((end[0] + _middle(body)[0]) / 2, (end[1] + _middle(body)[1]) / 2)
-            draw.line([start, inside], fill=colour, width=self._gap // 4 + 1)
+        if max(abs(start[0] - end[0]), abs(start[1] - end[1])) <= 2 * self._gap:
+            return None
+        # The line ends inside the rectangle, which is usually larger than the body.
+        return [start, ((end[0] + _middle(body)[0]) / 2, (end[1] + _middle(body)[1]) / 2)]
 
 
 def _places(body: Rectangle, label: tuple[int, int], gap: int, size: tuple[int, int]) -> Iterator[Rectangle]:

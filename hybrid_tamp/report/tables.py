@@ -97,6 +97,17 @@ def plan_footer(document: Json) -> str:
     return text
 
 
+def clearance_text(pairs: Sequence[Json]) -> str:
+    """Return one line about the closest approach of a plan, planned and, after a run, measured. Empty without pairs."""
+    if not pairs:
+        return ""
+    least = min(pairs, key=lambda pair: float(pair["distance"]))
+    measured = least.get("measured")
+    also = "" if measured is None else f", {1e3 * measured:.0f} mm in the run"
+    distance = f"{1e3 * least['distance']:.0f} mm"
+    return f"closest approach: {least['moving']} and {least['other']} in {least['instance']}, {distance}{also}"
+
+
 def network_text(network: Json) -> str:
     """Return lines about blocks and tokens that the network leaves out, and about tokens that were added as tools."""
     whole, expanded = network["reduced_from"], network["expanded_with"]

@@ -13,6 +13,7 @@ from hybrid_tamp.model.refined import Value
 from hybrid_tamp.model.run_result import Compared, RunResult
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
+from hybrid_tamp.planning.closest_pairs import measure_pairs
 from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.versions import versions
 
@@ -46,6 +47,7 @@ def judge(
         ),
         law=tuple([] if recording.failure else check_law(task, recording.plan, recording.at)),
         comparison=comparison,
+        closest_pairs=measure_pairs(task, recording, outcome.closest_pairs),
     )
 
 

@@ -13,10 +13,12 @@ from hybrid_tamp.questions.explain.no_plan import explain_outcome
 from hybrid_tamp.report.convergence import convergence_picture
 from hybrid_tamp.report.documents import document
 from hybrid_tamp.report.folder import RunFolder
+from hybrid_tamp.report.swept.file import check_picture
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.strategies.search import Planner
 from hybrid_tamp.taskfile.copying import portable
 from hybrid_tamp.verbs.loading import Settings, load_timed
+from hybrid_tamp.verbs.movements import draw_into, draw_plan
 from hybrid_tamp.verbs.pddl import export
 
 TRIALS = 6
@@ -30,6 +32,7 @@ def plan(
     folder: RunFolder | Path | str | None = None,
     force: bool = False,
     optimise: bool = False,
+    draw: Path | None = None,
     trials: int = TRIALS,
     planner: Planner | None = None,
     progress: Progress | None = None,
@@ -44,13 +47,15 @@ def plan(
         folder: folder for plan.json, the PDDL files and the task file; by default no files are written.
         force: whether to replace the files of another run.
         optimise: whether to optimise the hyperparameters, and to replan if no values satisfy all conditions.
+        draw: file for a picture of the movements, whose suffix is ``.png``, ``.svg`` or ``.pdf``. If a plan was refused
+            because a movement hits a body, the picture shows this movement.
         trials: maximum number of changed tasks to try if there is no plan, in the search for a change that makes the
             task solvable.
         planner: a running planner process; by default a new process is started.
         progress: called with the completed fraction of the work and the name of the current activity.
 
     Raises:
-        InputError: the task file is wrong, the planner is unknown or not installed, or the folder cannot be used.
+        InputError: the task file is wrong, the planner is unknown or not installed, or a file cannot be written.
         NotFinite: every rollout of a plan failed.
     """
     with ExitStack() as stack:
@@ -58,6 +63,8 @@ def plan(
         process = planner or stack.enter_context(PlannerProcess())
         task, deadline = load_timed(source, settings, plans=True)
         target = None if folder is None else RunFolder.open(folder, force=force)
+        if draw is not None:
+            check_picture(draw, force=force)
         planning = partial(plan_task, planner=process, deadline=deadline)
         if optimise:
             outcome = plan_and_refine(task, planning, progress, deadline=deadline)
@@ -66,8 +73,12 @@ def plan(
         outcome = blame_factors(outcome, process, deadline)
     if outcome.plan is None:
         outcome = explain_outcome(outcome, trials, 1, deadline)
+    if draw is not None:
+        outcome = draw_plan(outcome, draw, deadline)
     if target is not None:
         save_plan(outcome, target)
+        if draw is not None:
+            draw_into(target, outcome, deadline)
     return outcome
 
 

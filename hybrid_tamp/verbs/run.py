@@ -26,6 +26,7 @@ from hybrid_tamp.symbolic.strategies.search import Planner
 from hybrid_tamp.verbs.drawing import Films, draw_run
 from hybrid_tamp.verbs.judging import compare_runs, judge
 from hybrid_tamp.verbs.loading import Settings, load
+from hybrid_tamp.verbs.movements import draw_into
 from hybrid_tamp.verbs.plan import TRIALS, save_plan
 
 
@@ -81,7 +82,10 @@ def run(
         planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
         outcome = _plan(task, planning, process, tell, backend, deadline)
         save_plan(outcome, target)
-        write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
+        try:
+            draw_into(target, outcome, deadline)
+        finally:
+            write_page(target, task.domain.resting)  # shows the plan, or the reasons why there is no plan
         plan = outcome.required()
         with EventLog(target.path / "events.jsonl") as events:
             recording = execute(task, plan, physics, partial(_tell, tell, "running"), events, deadline)

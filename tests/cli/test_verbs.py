@@ -109,7 +109,11 @@ def test_run_reaches_the_goal_and_leaves_every_file(ran: tuple[Path, "subprocess
         *("task.yaml", "plan.json", "domain.pddl", "problem.pddl", "plan.pddl", "result.json"),
         *("recording.npz", "events.jsonl", "video.mp4", "report.html"),
     }
-    assert {name for name in names if name.endswith(".png")} == {f"step-{n:02d}.png" for n in (1, 2, 3, 4)}
+    pictures = {name for name in names if name.endswith(".png")}
+    assert pictures == {"movements.png", *(f"step-{n:02d}.png" for n in (1, 2, 3, 4))}
+    (pair,) = result["clearance"]
+    assert (pair["instance"], pair["moving"], pair["other"]) == ("REACHING-1", "hand", "drum")
+    assert abs(pair["measured"] - pair["distance"]) < 0.005
     assert [json.loads(line)["event"] for line in (folder / "events.jsonl").read_text().splitlines()][-1] == "goal"
 
 

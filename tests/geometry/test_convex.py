@@ -162,3 +162,11 @@ def test_a_box_from_a_mesh_is_that_box() -> None:
         assert one.extents(direction[None]) == pytest.approx(other.extents(direction[None]), abs=1e-6)
         assert one.support(direction) == pytest.approx(other.support(direction), abs=1e-7)
         assert one.shrunk(0.01).support(direction) == pytest.approx(other.shrunk(0.01).support(direction), abs=1e-7)
+
+
+@pytest.mark.parametrize("shape", [CUBE, BALL, LOG, TEE], ids=["cube", "ball", "log", "tee"])
+def test_furthest_points_along_many_directions_equal_those_along_single_directions(shape: Shape) -> None:
+    rng = np.random.default_rng(5)
+    directions = np.vstack([rng.normal(size=(20, 3)), np.eye(3)])
+    for solid in body(shape, rng.normal(size=3), quaternion_from_rpy(rng.uniform(-1.0, 1.0, 3))):
+        assert solid.supports(directions) == pytest.approx(np.array([solid.support(each) for each in directions]))
