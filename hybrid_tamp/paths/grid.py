@@ -12,6 +12,7 @@ import numpy as np
 
 from hybrid_tamp.collision.bodies import Body
 from hybrid_tamp.geometry.common_volume import face_planes
+from hybrid_tamp.geometry.nearness import inner_radius
 from hybrid_tamp.geometry.surfaces import hulls_of
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
@@ -25,6 +26,8 @@ _FAR = 0.3
 """Distance from a body above which cells do not differ [m]."""
 _NEAR = 0.3
 """Distance from a body at which a cell costs twice as much as its length [m]. The way then meets gaps in the middle."""
+_ALONG = 2
+"""Number of cells on each side that determine the direction of a way."""
 _HALF_NEIGHBOURS = [step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0)]
 """Steps to one half of the 26 neighbours of a cell. The other half has the opposite steps."""
 
@@ -53,13 +56,16 @@ class Grid:
             self._approach(obstacle)
         corner = self.edge * np.sqrt(0.75)
         """Distance of a corner of a cell from its centre [m]."""
-        ball = max((_ball_within(each.body) for each in space.carried if not np.any(each.offset)), default=0.0)
+        ball = max((inner_radius(each.body.shape) for each in space.carried if not np.any(each.offset)), default=0.0)
         # One layer at a time, because the margins are those of whole states.
         admitted = np.stack([space.admits(layer) for layer in self.centres]) + corner > 0.0
         self.open = (self.distances + corner > ball) & admitted
 
-    def find_narrowest(self, start: FloatArray, goal: FloatArray) -> FloatArray | None:
-        """Return the centre ``(3,)`` [m] of the narrowest cell on the best way, or None if the grid has no way."""
+    def find_narrowest(self, start: FloatArray, goal: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """Return the centre of the narrowest cell on the best way, and the direction of the way there.
+
+        The result is a position ``(3,)`` [m] and a unit vector ``(3,)``, or None if the grid has no way.
+        """
         from scipy.sparse.csgraph import dijkstra
 
         begin, end = self._nearest_open(start), self._nearest_open(goal)
@@ -77,7 +83,9 @@ class Grid:
         inner = aside > 2.0 * self.edge
         if not inner.any():
             return None
-        return np.asarray(centres[np.where(inner, self.distances.reshape(-1)[cells], np.inf).argmin()])
+        index = int(np.where(inner, self.distances.reshape(-1)[cells], np.inf).argmin())
+        along = centres[min(index + _ALONG, len(centres) - 1)] - centres[max(index - _ALONG, 0)]
+        return centres[index], along / float(np.linalg.norm(along))
 
     def close(self, place: FloatArray, radius: float) -> None:
         """Close all cells whose centres are within a radius [m] of a place ``(3,)`` [m]."""
@@ -135,8 +143,3 @@ def _planes(body: Body) -> Iterator[FloatArray]:
     for hull in hulls_of(body.shape):
         normals = np.concatenate([np.unique(face_planes(hull)[:, :3].round(9), axis=0), slanted])
         yield np.column_stack([normals, -(normals @ hull.vertices.T).max(axis=1)])
-
-
-def _ball_within(body: Body) -> float:
-    """Return the radius of the largest ball around the origin that one solid of a body contains [m], or 0."""
-    return max(0.0, *(float(-planes[:, 3].max()) for planes in _planes(body)))

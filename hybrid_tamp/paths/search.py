@@ -58,10 +58,11 @@ def _search_through_gap(
     """Return the corners of a path through the narrowest place on the way, or None."""
     grid = Grid(space, start, goal, *box)
     for _ in range(_GAPS):
-        cell = grid.find_narrowest(start, goal)
-        if cell is None:
+        found = grid.find_narrowest(start, goal)
+        if found is None:
             return None
-        place, tight = find_widest(space, cell)
+        cell, direction = found
+        place, tight = find_widest(space, cell, direction)
         if tight is not None:
             halves = [_search(tight, *ends, box, seed, _SHORT) for ends in ((start, place), (place, goal))]
             if halves[0] is not None and halves[1] is not None:

@@ -19,9 +19,8 @@ from hybrid_tamp.paths.free_space import Carried, FreeSpace, Obstacle
 from hybrid_tamp.paths.search import find_path
 from hybrid_tamp.planning.clearance import Sweep
 
-CLEARANCES = (0.02, 0.01, 0.005)
-"""Distances that a path keeps from other bodies [m], as an allowance for servo errors and rounded corners. A smaller
-distance is tried only if no path keeps a larger one."""
+CLEARANCE = 0.02
+"""Distance that a path keeps from other bodies [m], as an allowance for servo errors and rounded corners."""
 _CLOSER = 2e-3
 """Amount by which a path may come closer to a body than the ends of the movement [m]."""
 _MOST_CHECKS = 20_000
@@ -34,14 +33,13 @@ _TURNED = 1e-2
 """Largest difference of a component of two quaternions that count as equal."""
 
 
-def find_detour(task: Task, movement: Sweep, seed: int, clearance: float) -> FloatArray | None:
+def find_detour(task: Task, movement: Sweep, seed: int) -> FloatArray | None:
     """Return the corners ``(c, 3)`` [m] of a path for a movement, or None if there is no path or none was found.
 
     Args:
         task: task of the plan.
         movement: movement that hits a body.
         seed: seed of the query.
-        clearance: distance that the path keeps from other bodies [m].
     """
     block = task.domain.block_by_name[movement.instance.block]
     if block.path is None:
@@ -49,7 +47,7 @@ def find_detour(task: Task, movement: Sweep, seed: int, clearance: float) -> Flo
     leader = movement.instance.slots[block.path]
     lead = next(track for track in movement.tracks if track.body.name == leader)
     start, goal = lead.positions[0], lead.positions[-1]
-    obstacles = list(_obstacles(movement, lead, clearance))
+    obstacles = list(_obstacles(movement, lead))
     admits = _admits(task, movement, leader)
     for carried in _carried(movement, lead):
         space = FreeSpace(carried, obstacles, admits, _MOST_CHECKS)
@@ -80,7 +78,7 @@ def _carried(movement: Sweep, lead: Track) -> Iterator[list[Carried]]:
     yield first
 
 
-def _obstacles(movement: Sweep, lead: Track, clearance: float) -> Iterator[Obstacle]:
+def _obstacles(movement: Sweep, lead: Track) -> Iterator[Obstacle]:
     """Yield the bodies at rest. Near a body that is close to an end of the movement, the path may be as close."""
     others = {each.body.name: each for each in chain(*movement.neighbours)}
     for each in others.values():
@@ -89,7 +87,7 @@ def _obstacles(movement: Sweep, lead: Track, clearance: float) -> Iterator[Obsta
             for track in movement.tracks
             for phase in (0.0, len(lead.positions) - 1.0)
         ]
-        yield Obstacle(each.body, each.pose, min(clearance, min(ends) - _CLOSER))
+        yield Obstacle(each.body, each.pose, min(CLEARANCE, min(ends) - _CLOSER))
 
 
 def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], FloatArray]:

@@ -16,7 +16,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.closest_pairs import find_closest_pairs
-from hybrid_tamp.planning.detours import CLEARANCES, find_detour
+from hybrid_tamp.planning.detours import find_detour
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 from hybrid_tamp.planning.overhangs import Overhang, find_overhang
 from hybrid_tamp.planning.proofs import prove_blocked
@@ -88,17 +88,13 @@ def _avoid_bodies(
 
 def _find_way(task: Task, movement: Sweep) -> tuple[FloatArray | None, str, bool]:
     """Return a path for a movement that hits a body, or why there is none, and whether this is proven."""
-    block, seed = task.domain.block_by_name[movement.instance.block], _seed(task, movement.instance.name)
-    searched = block.path is not None and not movement.instance.path
-    path = find_detour(task, movement, seed, CLEARANCES[0]) if searched else None
-    if path is not None:
-        return path, "", False
-    # A proof costs less than further searches that fail.
-    if proof := prove_blocked(task, movement):
-        return None, proof, True
-    closer = (find_detour(task, movement, seed, clearance) for clearance in CLEARANCES[1:] if searched)
-    path = next((each for each in closer if each is not None), None)
-    return path, "and the search found no path around it" if block.path is not None else "", False
+    accepts = task.domain.block_by_name[movement.instance.block].path is not None
+    if accepts and not movement.instance.path:
+        path = find_detour(task, movement, _seed(task, movement.instance.name))
+        if path is not None:
+            return path, "", False
+    proof = prove_blocked(task, movement)
+    return None, proof or ("and the search found no path around it" if accepts else ""), bool(proof)
 
 
 def _avoid_meetings(

@@ -73,10 +73,11 @@ def test_no_box_goes_through_a_gap_that_is_too_narrow() -> None:
 def test_the_narrowest_cell_of_the_way_is_in_the_gap() -> None:
     space = space_with(gap(0.34))
     grid = Grid(space, START, GOAL, LOWER, UPPER)
-    cell = grid.find_narrowest(START, GOAL)
-    assert cell is not None
+    found = grid.find_narrowest(START, GOAL)
+    assert found is not None
+    cell, direction = found
     assert np.abs(cell[:2] - MIDDLE).max() < 0.05 + grid.edge
-    place, tight = find_widest(space, cell)
+    place, tight = find_widest(space, cell, direction)
     assert tight is not None
     assert space.narrowed(0.0).slack(place) == pytest.approx(0.03, abs=3e-3)
     assert space.slack(place) == pytest.approx(0.01, abs=3e-3)
@@ -86,7 +87,7 @@ def test_the_narrowest_cell_of_the_way_is_in_the_gap() -> None:
 
 def test_a_place_without_room_for_the_smallest_margin_is_refused() -> None:
     for spare, fits in ((4.0 * SMALLEST_MARGIN + 0.004, True), (4.0 * SMALLEST_MARGIN - 0.004, False)):
-        _, tight = find_widest(space_with(gap(0.28 + spare)), np.array([*MIDDLE, 0.4]))
+        _, tight = find_widest(space_with(gap(0.28 + spare)), np.array([*MIDDLE, 0.4]), np.array([1.0, 0.0, 0.0]))
         assert (tight is not None) == fits
 
 
