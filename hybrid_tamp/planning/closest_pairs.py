@@ -54,6 +54,8 @@ def sweep_plan(outcome: PlanOutcome, deadline: Deadline = NEVER) -> SweptPlan:
     assert plan is not None
     paths = []
     for movement in find_sweeps(task, plan, Rollouts(task, plan, deadline).trace(plan), deadline):
+        if not movement.tracks:
+            continue  # The instance moves only tokens without a shape.
         name = movement.instance.name
         hit = movement.find_hit() if refused is not None and name == refused.where else None
         pair = _find_closest_pair(movement) if hit is None else _describe(movement, hit)

@@ -79,7 +79,8 @@ def _avoid_bodies(
         path, remark, proven = _find_way(task, movement)
         if path is None:
             atom = Atom(CLEAR, (hit.moving, hit.other))
-            remark = "where the movement ends" if movement.ends_inside(hit) and not proven else remark
+            if movement.ends_inside(hit):
+                remark = f"where the movement ends, {remark}" if proven else "where the movement ends"
             return Shortfall(name, atom, "m", hit.distance, remark, movement.place_of(hit), proven)
         _LOG.info("%s follows a path with %d corners, because %s would hit %s", name, len(path), hit.moving, hit.other)
         return plan.with_path(name, path)

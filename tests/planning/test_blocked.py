@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import pytest
 from ruamel.yaml import YAML
 
 import hybrid_tamp
@@ -14,22 +13,13 @@ Boxes = list[tuple[list[float], list[float]]]
 """Positions and half extents of walls [m]."""
 
 
-def cage() -> Boxes:
-    """Return walls and a roof around the hand."""
-    x, y = 0.25, -0.45
-    sides: Boxes = [([x + side * 0.2, y, 0.4], [0.02, 0.2, 0.4]) for side in (-1, 1)]
-    ends: Boxes = [([x, y + side * 0.2, 0.4], [0.18, 0.02, 0.4]) for side in (-1, 1)]
-    return [*sides, *ends, ([x, y, 0.82], [0.2, 0.2, 0.02])]
-
-
 def across(gap: float) -> Boxes:
     """Return walls across the whole workspace, with a gap of a width [m] between them."""
     return [([0.2 + side * (0.6 + gap / 2), -0.25, 0.65], [0.6, 0.02, 0.65]) for side in (-1, 1)]
 
 
-@pytest.mark.parametrize("walls", [cage(), across(0.05)], ids=["cage", "narrow gap"])
-def test_a_hand_behind_walls_cannot_reach_the_drum(walls: Boxes, tmp_path: Path) -> None:
-    found = hybrid_tamp.plan(write_task(tmp_path, walls))
+def test_a_hand_behind_walls_with_a_narrow_gap_cannot_reach_the_drum(tmp_path: Path) -> None:
+    found = hybrid_tamp.plan(write_task(tmp_path, across(0.05)))
     assert found.status == "unsolvable"
     said = str(found.error)
     assert "REACHING:behind with hand=hand, object=drum, region=goal: hand hits wall-0, 0.0539 m deep at (" in said
@@ -53,7 +43,7 @@ def test_a_path_leads_through_a_gap_that_is_a_little_wider_than_the_hand(tmp_pat
 def test_a_place_inside_a_wall_cannot_be_reached(tmp_path: Path) -> None:
     found = hybrid_tamp.plan(write_task(tmp_path, [([-0.25, 0.0, 0.3], [0.1, 0.3, 0.3])]))
     assert found.status == "unsolvable"
-    assert "no path avoids all bodies" in str(found.error)
+    assert "where the movement ends, and no path avoids all bodies" in str(found.error)
 
 
 def test_a_crate_that_some_block_could_move_proves_nothing(tmp_path: Path) -> None:

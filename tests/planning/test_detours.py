@@ -72,9 +72,9 @@ def test_a_hand_in_a_closed_room_is_refused_with_the_wall(tmp_path: Path) -> Non
     roof = ([0.25, -0.45, 1.25], [0.3, 0.3, 0.05])
     outcome = hybrid_tamp.plan(write_task(tmp_path, [*sides, roof]))
     assert outcome.plan is None
-    assert outcome.status == "unknown"
+    assert outcome.status == "unsolvable"
     assert "hand hits wall-" in str(outcome.error)
-    assert "the search found no path around it" in str(outcome.error)
+    assert "no path avoids all bodies that stay where they are" in str(outcome.error)
 
 
 def test_a_place_inside_a_wall_is_named(tmp_path: Path) -> None:
