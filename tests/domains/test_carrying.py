@@ -7,7 +7,7 @@ import pytest
 from hybrid_tamp_domains.joint_lifting.bearing import carried_system
 from hybrid_tamp_domains.joint_lifting.load import friction
 from hybrid_tamp_domains.joint_lifting.places import CREWS, SLOTS, Roles, height, place_at
-from hybrid_tamp_domains.joint_lifting.predicates import DESTINATION_WITHIN_REACH, ON_SIDE
+from hybrid_tamp_domains.joint_lifting.predicates import DESTINATION_WITHIN_REACH
 from random_tasks.carrying import random_carrying
 
 import hybrid_tamp
@@ -39,7 +39,8 @@ def roles_of(task: Task, mode: str) -> dict[str, str]:
     found = {"object": thing.name, "region": "goal"}
     hands = [token for token in task.tokens if token.basic_actions]
     for slot, place in zip(SLOTS, CREWS[f"{mode} hands"], strict=False):
-        (found[slot],) = (hand.name for hand in hands if ON_SIDE.evaluate(task.state, hand, thing, place) >= 0)
+        spot = place_at(task.state, hands[0], thing, place)
+        found[slot] = min(hands, key=lambda hand: float(np.linalg.norm(spot - task.state[hand, "position"]))).name
     return found
 
 

@@ -23,11 +23,12 @@ PLAIN: list[Shape] = [
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from(PLAIN), st.lists(st.floats(-1.0, 1.0), min_size=10, max_size=10), st.floats(0.0, 0.3))
-def test_plain_shapes_are_exact(shape: Shape, drawn: list[float], distance: float) -> None:
-    turn = normalized(np.array(drawn[:4]) + np.array([0.0, 0.0, 0.0, 2.0]))
-    (body,) = placed(shape, np.array(drawn[4:7]), turn)
-    point = np.array(drawn[7:])
+@given(st.sampled_from(PLAIN), st.lists(st.integers(-1000, 1000), min_size=10, max_size=10), st.floats(0.0, 0.3))
+def test_plain_shapes_are_exact(shape: Shape, drawn: list[int], distance: float) -> None:
+    numbers = np.array(drawn) / 1000.0
+    turn = normalized(numbers[:4] + np.array([0.0, 0.0, 0.0, 2.0]))
+    (body,) = placed(shape, numbers[4:7], turn)
+    point = numbers[7:]
     exact = distance_to_point(body, point)
     if abs(exact - distance) > 1e-6:
         assert surely_within(body, point[None], distance)[0] == (exact < distance)
