@@ -51,8 +51,7 @@ def plan(
         limits = (time_limit, memory_limit)
         settings = Settings(domain, planner, objective, seed, *limits, optimiser, evaluations, refine, context.obj)
         if compare_planners:
-            _compare(task, settings, as_json)
-            return
+            return _compare(task, settings, as_json)
         with progress_bar() as tell:
             outcome = plan_task(
                 task, settings, folder=output, force=force, optimise=optimise, draw=draw, planner=process, progress=tell

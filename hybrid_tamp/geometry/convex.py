@@ -55,8 +55,9 @@ class ConvexBody:
         if self.disc and across > 0:
             point[:2] += local[:2] * (self.disc / across)
         offset = np.asarray(point @ self.axes)
-        if self.ball:
-            offset = offset + direction * (self.ball / float(np.linalg.norm(direction)))
+        length = float(np.linalg.norm(direction))
+        if self.ball and length > 0.0:  # The length of a tiny vector is rounded to zero.
+            offset = offset + direction * (self.ball / length)
         return self.position + offset
 
     def supports(self, directions: FloatArray) -> FloatArray:
@@ -69,7 +70,8 @@ class ConvexBody:
         point[:, :2] += (
             local[:, :2] * np.divide(self.disc, across, out=np.zeros_like(across), where=across > 0)[:, None]
         )
-        outward = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        lengths = np.linalg.norm(directions, axis=1, keepdims=True)
+        outward = np.divide(directions, lengths, out=np.zeros_like(directions), where=lengths > 0)
         return np.asarray(self.position + point @ self.axes + self.ball * outward)
 
     def extents(self, directions: FloatArray) -> FloatArray:

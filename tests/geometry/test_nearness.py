@@ -23,15 +23,20 @@ PLAIN: list[Shape] = [
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from(PLAIN), st.lists(st.integers(-1000, 1000), min_size=10, max_size=10), st.floats(0.0, 0.3))
-def test_plain_shapes_are_exact(shape: Shape, drawn: list[int], distance: float) -> None:
-    numbers = np.array(drawn) / 1000.0
+@given(st.sampled_from(PLAIN), st.lists(st.floats(-1.0, 1.0), min_size=10, max_size=10), st.floats(0.0, 0.3))
+def test_plain_shapes_are_exact(shape: Shape, drawn: list[float], distance: float) -> None:
+    numbers = np.array(drawn)
     turn = normalized(numbers[:4] + np.array([0.0, 0.0, 0.0, 2.0]))
     (body,) = placed(shape, numbers[4:7], turn)
     point = numbers[7:]
     exact = distance_to_point(body, point)
     if abs(exact - distance) > 1e-6:
         assert surely_within(body, point[None], distance)[0] == (exact < distance)
+
+
+def test_a_point_that_is_almost_the_centre_of_a_sphere_is_within() -> None:
+    (ball,) = placed(PLAIN[2], np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
+    assert distance_to_point(ball, np.array([0.0, 0.0, 6.7e-163])) == 0.0
 
 
 def test_no_point_is_within_a_negative_distance() -> None:
