@@ -99,7 +99,7 @@ def test_whoever_is_cut_off_has_no_path(drawn: list[Wall], seed: int) -> None:
     for place, halves, yaw in drawn:
         pose = Pose(np.array(place), np.array([0.0, 0.0, np.sin(yaw / 2), np.cos(yaw / 2)]))
         obstacles.append(Obstacle(Body("wall", Box(kind="box", half_extents=halves)), pose, 0.0))
-    space = FreeSpace([ball], obstacles, lambda p: float(min(in_room(p), p[2] - RADIUS)), 4000)
+    space = FreeSpace([ball], obstacles, lambda p: np.minimum(in_room(p), p[..., 2] - RADIUS), 4000)
     found = find_path(space, START, END, LOWER, UPPER, seed)
     assert found is None or not cut_off(*drawn)
 
@@ -124,6 +124,8 @@ def test_who_is_barred_has_no_free_way(x: float, y: float, half: float, yaw: flo
     pose = Pose(np.array([x, y, 0.5]), np.array([0.0, 0.0, np.sin(yaw / 2), np.cos(yaw / 2)]))
     obstacle = Obstacle(Body("wall", box), pose, 0.0)
     for aside in (-0.005, 0.0, 0.005):
-        space = FreeSpace([Carried(ball, np.zeros(3), UPRIGHT)], [obstacle], lambda p: 9.0, 10**6)
+        space = FreeSpace(
+            [Carried(ball, np.zeros(3), UPRIGHT)], [obstacle], lambda p: np.full(p.shape[:-1], np.inf), 10**6
+        )
         across = np.array([0.0, aside, 0.0])
         assert not space.is_free(START + across, END + across - np.array([0.1, 0.0, 0.0]))
