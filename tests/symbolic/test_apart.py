@@ -96,6 +96,18 @@ def test_drums_roll_apart_each_to_its_region(planner: Counting, tmp_path: Path) 
     assert accepted(tmp_path, task, planned)
 
 
+def test_the_group_that_waits_for_a_hand_is_the_one_that_makes_the_plan_shortest(planner: Counting) -> None:
+    """The hand starts behind the second drum, so the first drum waits, although it is first in the goal."""
+    apart = rolling_task(1, [(0, 0), (0, 1.5)], [(0.7, 0), (0.7, 1.5)], [(0, 0), (1, 1)])
+    near = apart.replaced(state=apart.state.replace({("hand 0", "position"): (-0.3, 1.5, 0.3)}))
+    orders = []
+    for task in (apart, near):
+        found = plan_goals_apart(Search(task.replaced(objective="makespan"), planner), first_will_do=False)
+        assert found is not None
+        orders.append([each.slots["object"] for each in found.plan.instances if each.block == "ROLLING"])
+    assert orders == [["drum 0", "drum 1"], ["drum 1", "drum 0"]]
+
+
 def test_what_has_no_plan_is_proven_with_the_whole_task(planner: Counting) -> None:
     planned = find_plan(random_tumbling(3, 1, 2), planner)
     assert (planned.status, planned.plan) == ("unsolvable", None)

@@ -21,6 +21,8 @@ _NEAR = 6
 """Minimum number of closest helpers to consider for a group. If these do not suffice, all helpers are considered."""
 _CHOICES = 8
 """Maximum number of combinations of helper kinds to try for one group and one number of helpers."""
+_MOST_ORDERS = 8
+"""Maximum number of orders of groups to try if some groups have to wait for their helpers."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,22 @@ class Allocation:
     def demand(self, group: Group, helpers: Sequence[str]) -> Demand:
         """Return the demand of a group whose plan uses the given helpers."""
         return Demand(group, tuple(map(self._views[group].signature, helpers)))
+
+    def shares_in_orders(self, demands: Sequence[Demand]) -> Iterator[list[list[Share]]]:
+        """Yield waves of shares, first for the given order of demands. If one wave suffices, nothing else is yielded.
+
+        If there are too few helpers for one wave, the last wave begins where the earlier waves leave the helpers, so
+        the makespan depends on the groups that wait. So each demand in turn waits for the others.
+        """
+        first = self.shares(demands)
+        if first is None:
+            return
+        yield first
+        if len(first) > 1:
+            for last in demands[: _MOST_ORDERS - 1]:
+                waves = self.shares([*(each for each in demands if each is not last), last])
+                if waves is not None and waves != first:
+                    yield waves
 
     def shares(self, demands: Sequence[Demand]) -> list[list[Share]] | None:
         """Return waves of shares, or None if a demand cannot be met. In a wave, each helper has at most one group."""

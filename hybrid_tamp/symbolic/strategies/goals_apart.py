@@ -58,8 +58,7 @@ def plan_goals_apart(search: Search, *, first_will_do: bool) -> Candidate | None
             if groups.hopeless or (best is not None and count > at_once):
                 break
             demands = groups.find_demands(count)
-            waves = None if demands is None else groups.allocation.shares(demands)
-            actions = None if waves is None else groups.merge_plans(waves)
+            actions = None if demands is None else groups.find_actions(demands, any_order=not first_will_do)
             if actions is None:
                 continue
             found = search.judge_actions(f"{APART}, with {count} helpers per group", actions)
@@ -121,6 +120,21 @@ class _Groups:
                 return None
         return demands
 
+    def find_actions(self, demands: Sequence[Demand], *, any_order: bool) -> Actions | None:
+        """Return the actions of the plan of all groups, or None if there is no such plan.
+
+        Args:
+            demands: Demands of the groups.
+            any_order: Whether to choose the order of the groups with the smallest makespan, if some have to wait.
+        """
+        orders = islice(self.allocation.shares_in_orders(demands), None if any_order else 1)
+        plans = [tuple(merged) for waves in orders if (merged := self.merge_plans(waves)) is not None]
+        return self._shortest(plans) if plans else None
+
+    def _shortest(self, plans: Sequence[Actions]) -> Actions:
+        """Return the first of the plans with the smallest makespan."""
+        return plans[0] if len(plans) == 1 else min(plans, key=self._makespan)
+
     def merge_plans(self, waves: Sequence[Sequence[Share]]) -> list[PlannedAction] | None:
         """Concatenate the best plan of each share. Return None if the result is not a plan of the whole task."""
         merged: list[PlannedAction] = []
@@ -128,8 +142,7 @@ class _Groups:
             plans = [plan for order in self._orders(share) if (plan := self.plan_group(order)) is not None]
             if not plans:
                 return None
-            best: Actions = min(plans, key=self._makespan) if len(plans) > 1 else plans[0]
-            merged += best
+            merged += self._shortest(plans)
         with self._search.stage("scheduling"):
             return merged if self._search.compilation.reaches_goal(merged) else None
 
@@ -143,7 +156,7 @@ class _Groups:
         return [replace(share, helpers=tuple(name for some in order for name in some)) for order in orders]
 
     def _makespan(self, actions: Actions) -> float:
-        """Return the makespan of one group's plan [s], or infinity if the plan cannot be scheduled."""
+        """Return the makespan of a plan [s], or infinity if the plan cannot be scheduled."""
         compilation = self._search.compilation
         try:
             with self._search.stage("scheduling"):
