@@ -84,8 +84,8 @@ class _Body:
         rows = slice(None) if self.moves else slice(1)
         turned = quaternion_conjugate(self.orientations[rows])
         along = [rotate(turned, sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
-        parts = placed(token.solid, _ORIGIN, _UPRIGHT)
-        reached = [np.max([part.extents(directions) for part in parts], axis=0) for directions in along]
+        solids = placed(token.solid, _ORIGIN, _UPRIGHT)
+        reached = [np.max([each.extents(directions) for each in solids], axis=0) for directions in along]
         self.upper = self.positions[rows] + np.stack(reached[:3], axis=1)
         self.lower = self.positions[rows] - np.stack(reached[3:], axis=1)
 
@@ -100,9 +100,9 @@ class _Body:
 
         if not self._solids:
             solid = self.token.solid
-            parts = zip(solids_of(solid), placed(solid, _ORIGIN, _UPRIGHT), strict=True)
+            pairs = zip(solids_of(solid), placed(solid, _ORIGIN, _UPRIGHT), strict=True)
             self._solids = [
-                (place, fcl.CollisionObject(_geometry(part, place.shrunk(_LAYER)))) for part, place in parts
+                (place, fcl.CollisionObject(_geometry(part, place.shrunk(_LAYER)))) for part, place in pairs
             ]
         turn, position = self.orientations[row], self.positions[row]
         for place, thing in self._solids:

@@ -45,21 +45,21 @@ class _Attempt:
         guards: maps movements that hit bodies with other hyperparameters to the distances that they must keep.
         extras: maps the same movements to further distances, see `make_guard` [m].
         refused: the evaluated plan in which the first of these movements hits a body. None if there are no guards.
-        rounds: number of times that guards were added.
+        repeated: number of times that guards were added.
     """
 
     plan: TaskPlan
     guards: Mapping[str, Guard] = field(default_factory=dict)
     extras: Mapping[str, float] = field(default_factory=dict)
     refused: RefinedPlan | None = None
-    rounds: int = 0
+    repeated: int = 0
 
     def with_guard(self, task: Task, movement: Sweep, hit: Hit, refused: RefinedPlan) -> "_Attempt":
         """Return the attempt in which the hyperparameters are chosen so that a movement keeps its distance."""
         name = movement.instance.name
         extra = self.extras[name] - hit.margin if name in self.extras else 0.0
         guards = {**self.guards, name: make_guard(task, movement, extra)}
-        return _Attempt(self.plan, guards, {**self.extras, name: extra}, self.refused or refused, self.rounds + 1)
+        return _Attempt(self.plan, guards, {**self.extras, name: extra}, self.refused or refused, self.repeated + 1)
 
 
 def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = NEVER) -> RefinedPlan:
@@ -146,7 +146,7 @@ def _avoid_bodies(
         shortfall = Shortfall(name, atom, "m", hit.margin, remark, place, proven, hit.kept)
         refused = replace(refined, shortfall=shortfall)
         varies = any(each.lower < each.upper for each in refined.hyperparameters)
-        if proven or not varies or refined.shortfall is not None or attempt.rounds >= _MOST_GUARDS:
+        if proven or not varies or refined.shortfall is not None or attempt.repeated >= _MOST_GUARDS:
             return attempt.refused or refused
         _LOG.info("%s must keep its distance from bodies, because %s would hit %s", name, moving, other)
         return attempt.with_guard(task, movement, hit, refused)
