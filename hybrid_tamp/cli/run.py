@@ -84,15 +84,17 @@ def _pointing_at(page: Path) -> Iterator[None]:
 
 
 def _judge(result: "RunResult", as_json: bool) -> None:
-    """Print that the goal was reached. Otherwise, print every failure and every violation of the law, and exit."""
+    """Print that the goal was reached. Otherwise, print every failure, violation of the law and collision, and exit."""
     failure = result.recording.failure
     if failure is not None:
         typer.echo(f"step {failure.step}, {failure.instance}: {failure.reason}", err=True)
     for breach in result.law:
         typer.echo(f"the recording breaks {breach.text}", err=True)
+    for collision in result.collisions:
+        typer.echo(collision.text, err=True)
     for metric in result.out_of_bounds:
         typer.echo(metric.text, err=True)
-    if not result.success or result.law:
+    if not result.success or result.law or result.collisions:
         missed = "the goal was not reached" if not result.recording.success else "the run does not count as a success"
         typer.echo(f"The plan was executed but {missed}.", err=True)
         raise typer.Exit(40)

@@ -1,4 +1,4 @@
-"""Model of one block instance, and rollouts of many candidates as rows of one array.
+"""Rollouts of one block instance, with many candidates as rows of one array.
 
 A candidate reaches its exit, as in a real run, as soon as all exit conditions hold and the minimum duration has passed.
 A candidate that reaches no exit ends at the block's maximum duration, or once its state and commands are constant.
@@ -6,24 +6,15 @@ A candidate that reaches no exit ends at the block's maximum duration, or once i
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from math import floor
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD, Commands, Parameters
-from hybrid_tamp.model.facts import fact_margin
-from hybrid_tamp.model.forward_model import BoolArray, ForwardModel
-from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.predicate import Literal
+from hybrid_tamp.midlevel.instance_model import InstanceModel, IntArray
+from hybrid_tamp.model.control import CONTROL_PERIOD, Commands
+from hybrid_tamp.model.forward_model import BoolArray
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.columns import stored_by_column
-
-IntArray = NDArray[np.int64]
 
 CHUNK = 48
 """Number of control steps per chunk. The conditions are checked for all states of a chunk at the same time."""
@@ -31,86 +22,10 @@ STILL = 1e-7
 """Largest change of a state within a chunk at which the state is treated as being at rest, in SI units."""
 _STEADY = 1e-3
 """Largest change of a command within a chunk at which the command is treated as constant, in SI units."""
+_EVERY = 8
+"""Number of control steps between two poses at which guards are evaluated. A divisor of `CHUNK`."""
 _AWAKE = 0.5
 """Time before which no state is treated as being at rest, in seconds, because movements begin slowly."""
-
-
-class InstanceModel:
-    """Model of one block instance of a plan.
-
-    Attributes:
-        instance: the block instance.
-        block: block of the instance.
-        binding: maps each role of the instance to its token or symbol.
-        columns: indices of the m values of the instance's tokens in the task's state. Shape ``(m,)``.
-        held: mask of the columns that belong to tokens in slots. Tokens that are only targets are excluded.
-        longest: maximum number of control steps.
-        shortest: minimum duration in seconds.
-    """
-
-    def __init__(self, task: Task, instance: BlockInstance) -> None:
-        self.instance = instance
-        self.block: Block = task.domain.block_by_name[instance.block]
-        self.binding = task.bind(instance.roles)
-        view = View(self.binding, task.state.layout)
-        self.columns = view.columns
-        slots = set(instance.slots.values())
-        self._layout = view.layout
-        self.held = np.array(
-            [token in slots for token, _, size in self._layout.entries for _ in range(size)], dtype=bool
-        )
-        self._initial = view.of(task.state)
-        self._moved = {slot.name for slot in self.block.slots if self.block.writes.get(slot.name)}
-        self.longest = floor(self.block.duration.maximum / CONTROL_PERIOD + 1e-6)
-        self.shortest = self.block.duration.minimum - 1e-6
-
-    def state(self, rows: FloatArray) -> State:
-        """Return rows of shape ``(..., m)`` as the state of the instance's tokens."""
-        return State(self._layout, rows)
-
-    def exits(self, state: State) -> FloatArray:
-        """Return the margins of the measured exit conditions. Shape ``(..., e)``."""
-        return self._margins(self.block.measured_exits, state)
-
-    def entries(self, state: State) -> FloatArray:
-        """Return the margins of the measured entry conditions. Shape ``(..., e)``."""
-        changing = self._margins(self.block.measured_entries, state)
-        facts = (fact_margin(each, self._initial, state, self.binding) for each in self.block.posed_entries)
-        columns = [np.broadcast_to(each, state.values.shape[:-1])[..., None] for each in facts]
-        return np.concatenate([changing, *columns], axis=-1)
-
-    def invariants(self, state: State) -> FloatArray:
-        """Return the margins of the invariants. Shape ``(..., i)``."""
-        return self._margins(self.block.invariants, state)
-
-    def holding(self, run: State, late: BoolArray) -> BoolArray:
-        """Return a mask ``(t, n)`` of the states of a run ``(t, n, m)`` in which all exit conditions hold.
-
-        `late` says in which steps the minimum duration is over. The mask is false in all other steps. Shape ``(t,)``.
-        """
-        found = np.repeat(late[:, None], run.values.shape[1], axis=1)
-        first = int(late.argmax())
-        # Conditions with fewer arguments are cheaper. A condition is computed only where all cheaper conditions hold.
-        for literal in sorted(self.block.measured_exits, key=lambda literal: len(literal.arguments)):
-            if found[first:].all():
-                found[first:] = literal.margin(self.state(run.values[first:]), self.binding) >= 0
-            elif found.any():
-                found[found] = literal.margin(self.state(run.values[found]), self.binding) >= 0
-        return found
-
-    def _margins(self, literals: Sequence[Literal], state: State) -> FloatArray:
-        batch = state.values.shape[:-1]
-        margins = [np.broadcast_to(self._margin(literal, state), batch) for literal in literals]
-        return np.stack(margins, axis=-1) if margins else np.zeros((*batch, 0))
-
-    def _margin(self, literal: Literal, state: State) -> FloatArray:
-        # If the instance moves no token of a condition, its margin is the same in all steps of a run ``(t, n, m)``.
-        still = state.values.ndim == 3 and self._moved.isdisjoint(literal.arguments)
-        return literal.margin(self.state(state.values[:1]) if still else state, self.binding)
-
-    def start_from(self, start: FloatArray, chosen: Mapping[str, FloatArray]) -> ForwardModel:
-        """Return the forward model of the instance for initial states of shape ``(n, m)``."""
-        return ForwardModel(self.block, self.binding, self.state(start), Parameters.along(self.instance.path, chosen))
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +36,7 @@ class Stretch:
         after: final state of the instance's tokens, or the initial state if the rollout failed. Shape ``(n, m)``.
         steps: number of control periods. Shape ``(n,)``.
         exits: final margins of the exit conditions, each in the unit of its predicate. Shape ``(n, e)``.
-        invariants: least margins of the invariants, each in its own unit. Shape ``(n, i)``.
+        lasting: least margins of the invariants and of the guard, each in its own unit. Shape ``(n, i + g)``.
         figures: values of the performance measures. Shape ``(n, p)``.
         finite: whether all computed values are finite. Shape ``(n,)``.
     """
@@ -129,7 +44,7 @@ class Stretch:
     after: FloatArray
     steps: IntArray
     exits: FloatArray
-    invariants: FloatArray
+    lasting: FloatArray
     figures: FloatArray
     finite: BoolArray
 
@@ -155,7 +70,7 @@ class Population:
         self.steps = np.zeros(count, dtype=np.int64)
         self.finite = np.ones(count, dtype=bool)
         self.exits = np.full((count, len(model.block.measured_exits)), np.nan)
-        self.invariants = np.full((count, len(model.block.invariants)), np.inf)
+        self.lasting = np.full((count, len(model.lasting)), np.inf)
         self.figures = np.array([[-np.inf if m.peak else 0.0 for m in self.measures]] * count).reshape(count, -1)
         self.done = 0  # control steps so far
         self.path = [start]  # states of a single candidate, with those after its exit
@@ -199,7 +114,9 @@ class Population:
         index, local = self.rows[retired], np.flatnonzero(retired)
         self.after[index] = np.where(finite[local, None], chunk[last[local], local], self.start[index])
         if len(index):
-            self.exits[index] = self.model.exits(self.model.state(chunk[last[local], local]))
+            final = self.model.state(chunk[last[local], local])
+            self.exits[index] = self.model.exits(final)
+            self._lower(index, self.model.clearances(final), len(self.model.block.invariants))
         self.steps[index] = self.done - count + 1 + last[local]
         self.finite[index] = finite[local]
         self.pending[index] = False
@@ -228,10 +145,17 @@ class Population:
                 self.figures[self.rows, column] = mine + rate.sum(axis=0) * CONTROL_PERIOD
 
     def _keep_least(self, run: State, counted: BoolArray) -> None:
-        """Update the least margins of the invariants with those states of a chunk that `counted` selects."""
+        """Update the least margins of invariants and guard with those states of a chunk that `counted` selects."""
         counted = counted & self.pending[self.rows]
-        least = np.where(counted[..., None], self.model.invariants(run), np.inf).min(axis=0)
-        self.invariants[self.rows] = np.minimum(self.invariants[self.rows], least)
+        self._lower(self.rows, _least(self.model.invariants(run), counted))
+        if self.model.guard.literals:
+            sampled, within = self.model.state(run.values[_EVERY - 1 :: _EVERY]), counted[_EVERY - 1 :: _EVERY]
+            self._lower(self.rows, _least(self.model.clearances(sampled), within), len(self.model.block.invariants))
+
+    def _lower(self, rows: IntArray, margins: FloatArray, first: int = 0) -> None:
+        """Lower the least margins of some candidates, from the column `first` on."""
+        columns = slice(first, first + margins.shape[-1])
+        self.lasting[rows, columns] = np.minimum(self.lasting[rows, columns], margins)
 
     def stretch(self) -> Stretch:
         """Return the results of all candidates."""
@@ -241,10 +165,15 @@ class Population:
                 name, binding = self.model.block.name, self.model.binding
                 self.figures[:, column] = measure.at_end(name, binding, before, after, self.chosen)
         finite = self.finite & np.isfinite(self.figures).all(axis=1) & np.isfinite(self.exits).all(axis=1)
-        return Stretch(self.after, self.steps, self.exits, self.invariants, self.figures, finite)
+        return Stretch(self.after, self.steps, self.exits, self.lasting, self.figures, finite)
 
 
 def _steady(commanded: Sequence[Commands]) -> BoolArray:
     """Return a mask of the candidates with constant commands in a chunk. Changing commands can cause motion."""
     changes = [np.abs(commanded[-1][key] - first).max(axis=-1) for key, first in commanded[0].items()]
     return np.asarray(np.logical_and.reduce([change < _STEADY for change in changes], initial=True), dtype=bool)
+
+
+def _least(margins: FloatArray, counted: BoolArray) -> FloatArray:
+    """Return the least margins ``(n, i)`` of the states ``(t, n)`` of a chunk that `counted` selects."""
+    return np.asarray(np.where(counted[..., None], margins, np.inf).min(axis=0, initial=np.inf))

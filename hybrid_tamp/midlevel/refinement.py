@@ -8,15 +8,18 @@ and never worse than the result of optimising each action separately.
 
 import logging
 import time
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 
+from hybrid_tamp.midlevel.nearby import sample_nearby
 from hybrid_tamp.midlevel.objective import Objective, RollOut, find_last_measured
 from hybrid_tamp.midlevel.physics_refinement import refine_in_physics
 from hybrid_tamp.midlevel.plan_search import Progress, Searched, SearchSettings, search_plan
 from hybrid_tamp.midlevel.rollout import Rollouts
-from hybrid_tamp.midlevel.summary import Candidates, summarise, summarise_defaults
+from hybrid_tamp.midlevel.scores import Scores
+from hybrid_tamp.midlevel.summary import Candidates, summarise, summarise_defaults, summarise_nearby
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.refined import RefinedPlan
@@ -32,6 +35,7 @@ def refine(
     roll_out: RollOut | None = None,
     compare: bool = True,
     measured: RollOut | None = None,
+    nearby: Collection[str] = (),
     deadline: Deadline = NEVER,
 ) -> RefinedPlan:
     """Optimise the hyperparameters of a plan with the settings of its task.
@@ -43,6 +47,8 @@ def refine(
         roll_out: function that rolls out candidates. By default, the blocks' forward models are used.
         compare: whether to also optimise each action separately, for comparison.
         measured: function that runs candidates in physics, for tasks with ``refine: physics``.
+        nearby: names of instances. If there is no value to maximise, points that differ from the defaults in one
+            hyperparameter of these instances are tried first.
         deadline: deadline of the command.
 
     Raises:
@@ -58,6 +64,10 @@ def refine(
             return summarise_defaults(objective, defaults, time.monotonic() - began)
     if not valued:
         objective = replace(objective, reserves={})  # Without a value to maximise, reserves have no use.
+        points, scores = sample_nearby(objective, nearby) if nearby else (np.zeros((0, 0)), Scores(*np.zeros((2, 0))))
+        if (scores.violation == 0.0).any():
+            candidates = Candidates.of(objective, points[0], points[np.argmin(scores.violation)])
+            return summarise_nearby(objective, candidates, len(points), time.monotonic() - began)
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)
     settings = SearchSettings(task.midlevel, rng, tell, compare and last is not None)

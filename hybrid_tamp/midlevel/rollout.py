@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from hybrid_tamp.midlevel.population import IntArray, Stretch
+from hybrid_tamp.midlevel.instance_model import Guard, IntArray
+from hybrid_tamp.midlevel.population import Stretch
 from hybrid_tamp.midlevel.predictions import Chosen, Condition, Interval, Key, Rollout, Trace, weigh_plan
 from hybrid_tamp.midlevel.simulation import Simulation
 from hybrid_tamp.model.control import CONTROL_PERIOD
@@ -32,11 +33,17 @@ _SETTLING = 0.5
 class Rollouts:
     """Rollout function for one plan on forward models. Results that all candidates share are computed once."""
 
-    def __init__(self, task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> None:
+    def __init__(
+        self, task: Task, plan: TaskPlan, deadline: Deadline = NEVER, guards: Mapping[str, Guard] | None = None
+    ) -> None:
+        """Create the function. `guards` maps names of instances to further conditions on their poses."""
         self.task = task
+        self.guards = guards or {}
         self.plan = plan
         self._events = reassignments(task, plan)
-        self._simulations = {instance.name: Simulation(task, instance, deadline) for instance in plan.instances}
+        self._simulations = {
+            each.name: Simulation(task, each, deadline, self.guards.get(each.name, Guard())) for each in plan.instances
+        }
 
     def __call__(self, chosen: Chosen, count: int = 1, until: str | None = None) -> Rollout:
         """Roll out a population.
@@ -170,7 +177,7 @@ class _Chain:
         if running.stretch is None:
             running.stretch = stretch = simulation.run(running.start, running.chosen)
             self._note(name, simulation.block.measured_exits, simulation, stretch.exits)
-            self._note(name, simulation.block.invariants, simulation, stretch.invariants, throughout=True)
+            self._note(name, simulation.lasting, simulation, stretch.lasting, throughout=True)
             for column, measure in enumerate(simulation.block.performance):
                 self.figures[name, measure.name] = stretch.figures[:, column]
             bad = ~stretch.finite & ~self.broken
@@ -195,7 +202,7 @@ class _Chain:
         self, where: str, literals: Iterable[Literal], of: Simulation, margins: FloatArray, *, throughout: bool = False
     ) -> None:
         for column, literal in enumerate(literals):
-            atom = literal.ground(of.binding)
+            atom = of.ground(literal)
             self.conditions.append(Condition(where, atom, literal.predicate, margins[:, column], throughout))
 
     def finish(self, ending: tuple[str, ...] | None = None) -> Rollout:

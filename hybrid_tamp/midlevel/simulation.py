@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hybrid_tamp.midlevel.population import CHUNK, STILL, InstanceModel, IntArray, Population, Stretch
+from hybrid_tamp.midlevel.instance_model import Guard, InstanceModel, IntArray
+from hybrid_tamp.midlevel.population import CHUNK, STILL, Population, Stretch
 from hybrid_tamp.model.control import CONTROL_PERIOD
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import BlockInstance
@@ -16,8 +17,14 @@ from hybrid_tamp.motion.arrays import FloatArray
 class Simulation(InstanceModel):
     """Model of one block instance that computes and caches rollouts."""
 
-    def __init__(self, task: Task, instance: BlockInstance, deadline: Deadline = NEVER) -> None:
-        super().__init__(task, instance)
+    def __init__(
+        self,
+        task: Task,
+        instance: BlockInstance,
+        deadline: Deadline = NEVER,
+        guard: Guard = Guard(),  # noqa: B008
+    ) -> None:
+        super().__init__(task, instance, guard)
         self._deadline = deadline
         self._known: dict[bytes, Stretch] = {}
         self._paths: dict[bytes, FloatArray] = {}

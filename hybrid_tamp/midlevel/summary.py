@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hybrid_tamp.midlevel.objective import Objective
+from hybrid_tamp.midlevel.objective import Objective, RollOut
 from hybrid_tamp.midlevel.physics_refinement import RefinedInPhysics
 from hybrid_tamp.midlevel.plan_search import Searched
 from hybrid_tamp.midlevel.predictions import Interval, Rollout
@@ -14,6 +14,8 @@ from hybrid_tamp.model.refined import Performance, RefinedPlan, Tuned, Value
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 
+NEARBY = "nearby"
+"""Name of the search near the default hyperparameters (`nearby`)."""
 _DIGITS = 6
 """Number of decimal places of times [s]."""
 
@@ -69,6 +71,22 @@ def summarise_defaults(objective: Objective, defaults: Candidates, seconds: floa
     """Return the refined plan with default hyperparameters, for a plan with nothing to optimise."""
     tuned = _tune(objective, defaults.point, dict.fromkeys(objective.space.names, "kept"))
     return _summarise(objective, defaults, tuple(tuned), len(defaults.points), seconds)
+
+
+def summarise_nearby(objective: Objective, candidates: Candidates, spent: int, seconds: float) -> RefinedPlan:
+    """Return the refined plan with the best candidate of a search near the defaults.
+
+    Args:
+        objective: objective of the plan.
+        candidates: the defaults and the best point.
+        spent: number of rollouts.
+        seconds: duration of the search [s].
+    """
+    names, moved = objective.space.names, candidates.point != candidates.points[0]
+    statuses = {name: "optimised" if changed else "kept" for name, changed in zip(names, moved.tolist(), strict=True)}
+    tuned = tuple(_tune(objective, candidates.point, statuses))
+    found = _summarise(objective, candidates, tuned, spent, seconds)
+    return replace(found, optimiser=NEARBY, stopped="converged")
 
 
 def summarise(
@@ -131,6 +149,14 @@ def _summarise(
         stopped="",
         history=(),
     )
+
+
+def time_plan(task: Task, plan: TaskPlan, rollouts: RollOut) -> TaskPlan:
+    """Return a plan with a value for every hyperparameter with the times of its rollout."""
+    chosen = {
+        (each.name, name): np.array([value]) for each in plan.instances for name, value in each.hyperparameters.items()
+    }
+    return _retime(task, plan, rollouts(chosen, 1).intervals, 0)
 
 
 def _retime(task: Task, plan: TaskPlan, intervals: Mapping[str, Interval], candidate: int) -> TaskPlan:

@@ -18,6 +18,7 @@ class ClosestPair:
             depth.
         time: time from the start of the instance to this distance [s].
         points: nearest points of both bodies in the world frame [m].
+        kept: distance that the movement must keep [m].
         measured: least distance of both bodies in the movement of a run [m], or None.
     """
 
@@ -27,7 +28,13 @@ class ClosestPair:
     distance: float
     time: float
     points: tuple[Point, Point]
+    kept: float = 0.0
     measured: float | None = None
+
+    @property
+    def margin(self) -> float:
+        """Margin of the condition that the movement keeps its distance [m]."""
+        return self.distance - self.kept
 
     @property
     def figure(self) -> str:

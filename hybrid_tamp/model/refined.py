@@ -10,7 +10,10 @@ from hybrid_tamp.model.predicate import Atom
 GOAL = "goal"
 """Text that stands for the goal where the name of an instance is expected."""
 CLEAR = "clear"
-"""Name of the condition that a movement hits no body that takes no part in the movement."""
+"""Name of the condition that a movement keeps its distance from a body that takes no part in the movement.
+
+Its margin is the least distance during the movement minus the distance to keep (`Limits.clearance`).
+"""
 ON_TOP = "on_top"
 """Name of the condition that a body which moves along the top of a table stays on this table."""
 
@@ -84,6 +87,7 @@ class Shortfall:
         remark: why nothing avoids a collision. Empty for other conditions.
         place: where a collision is deepest, or where a body leaves a table [m]. None for other conditions.
         proven: whether the binding fails with all hyperparameters and paths. A failed search proves nothing.
+        kept: distance that the movement must keep from the other body [m]. Zero for other conditions.
     """
 
     where: str
@@ -93,21 +97,31 @@ class Shortfall:
     remark: str = ""
     place: tuple[float, float, float] | None = None
     proven: bool = False
+    kept: float = 0.0
 
     @property
     def text(self) -> str:
         """The condition and the amount by which it fails, e.g. ``inside(drum, goal) fails by at least 0.1 m``."""
         where = "" if self.place is None else f" at ({', '.join(f'{each + 0.0:.2f}' for each in self.place)})"
         if self.atom.predicate == CLEAR:
-            moving, other = self.atom.arguments
-            hit = f"{moving} hits {other}, {-self.margin:.3g} m deep" if self.margin else f"{moving} meets {other}"
-            hit += where
+            hit = f"{self._hit}{where}"
             return f"{hit}, {self.remark}" if self.remark else hit
         if self.atom.predicate == ON_TOP:
             thing, table = self.atom.arguments
             return f"{thing} leaves the top of {table}: it reaches {-self.margin:.3g} m beyond the edge{where}"
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.atom.text} fails by at least {-self.margin:.3g}{unit}"
+
+    @property
+    def _hit(self) -> str:
+        """The bodies that come too near to each other, and their least distance."""
+        moving, other = self.atom.arguments
+        distance = self.margin + self.kept
+        if distance < 0:
+            return f"{moving} hits {other}, {-distance:.3g} m deep"
+        if not self.margin:
+            return f"{moving} meets {other}"
+        return f"{moving} comes within {distance:.3g} m of {other} but must keep {self.kept:.3g} m"
 
 
 @dataclass(frozen=True)

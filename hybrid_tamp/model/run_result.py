@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hybrid_tamp.model.closest_pair import ClosestPair
+from hybrid_tamp.model.collision import Collision
 from hybrid_tamp.model.conditions import Violation
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.plan import BlockInstance
@@ -78,6 +79,7 @@ class RunResult(Tabular):
         law: violations of the law of assignment in the recording.
         comparison: values with optimised hyperparameters and with the defaults. Empty if not requested.
         closest_pairs: closest pair of bodies in each movement, with planned and measured distances.
+        collisions: collisions in the recording, by an independent check. A run that stopped early is not checked.
     """
 
     outcome: PlanOutcome
@@ -89,6 +91,7 @@ class RunResult(Tabular):
     law: tuple[Violation, ...]
     comparison: tuple[Compared, ...] = ()
     closest_pairs: tuple[ClosestPair, ...] = ()
+    collisions: tuple[Collision, ...] = ()
 
     @property
     def task(self) -> Task:
@@ -134,6 +137,7 @@ class RunResult(Tabular):
             ("metrics", self.metrics),
             ("out of bounds", [each.text for each in self.out_of_bounds]),
             ("law", self.law),
+            ("collisions", [each.text for each in self.collisions]),
             ("replans", self.replans),
             ("backend", self.recording.backend),
             ("seconds", self.wall_seconds),

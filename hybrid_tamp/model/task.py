@@ -30,12 +30,15 @@ class Limits:
         memory: limit on the total memory of the planner and its child processes [MiB].
         refinements: largest number of repeated planner calls after rejected plans.
         contact: largest tolerated force of a contact that no running block allows [N].
+        clearance: distance that planned movements keep from bodies at rest [m], as an allowance for the errors of
+            servos and of the distances.
     """
 
     time: float = 600.0
     memory: float = 4096.0
     refinements: int = 3
     contact: float = 20.0
+    clearance: float = 0.002
 
 
 @dataclass(frozen=True)

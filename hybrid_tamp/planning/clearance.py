@@ -32,10 +32,35 @@ _DEEPER = 2e-3
 
 @dataclass(frozen=True)
 class Neighbour:
-    """A body at rest near a movement, with its pose."""
+    """A body at rest near a movement.
+
+    Attributes:
+        body: the body.
+        pose: its pose.
+        kept: distance that the movement must keep [m]. Movements to a target may end in contact.
+    """
 
     body: Body
     pose: Pose
+    kept: float = 0.0
+
+
+@dataclass(frozen=True)
+class Hit:
+    """A movement that does not keep its distance from a body at rest.
+
+    Attributes:
+        nearest: the least distance of the movement from the body.
+        kept: distance that the movement must keep [m].
+    """
+
+    nearest: Clearance
+    kept: float
+
+    @property
+    def margin(self) -> float:
+        """The least distance minus the distance to keep [m]."""
+        return self.nearest.distance - self.kept
 
 
 @dataclass(frozen=True)
@@ -54,15 +79,17 @@ class Sweep:
     tracks: tuple[Track, ...]
     neighbours: tuple[tuple[Neighbour, ...], ...]
 
-    def find_hit(self) -> Clearance | None:
-        """Return the least distance of the movement from its neighbours if it is negative, or else None."""
-        best: Clearance | None = None
+    def find_hit(self) -> Hit | None:
+        """Return the neighbour to which the movement comes nearest, compared with the distance to keep, or None."""
+        best: Hit | None = None
         for track, neighbours in zip(self.tracks, self.neighbours, strict=True):
-            begin = track.at(0.0)
             for each in neighbours:
-                allowed = allow_contact(track.body, begin, each.body, each.pose)
-                limit = allowed if best is None else min(allowed, best.distance)
-                best = find_clearance([track], [(each.body, each.pose)], limit=limit) or best
+                if track.bound_distance(each.body, each.pose) >= each.kept:
+                    continue
+                kept = require_distance(track, each)
+                limit = kept + (0.0 if best is None else best.margin)
+                found = find_clearance([track], [(each.body, each.pose)], limit=limit)
+                best = best if found is None else Hit(found, kept)
         return best
 
     @property
@@ -70,20 +97,20 @@ class Sweep:
         """Times of the poses of the tracks from the start of the movement [s], shape ``(k,)``."""
         return np.array(_rows(self.trace.states)) * CONTROL_PERIOD
 
-    def place_of(self, hit: Clearance) -> tuple[float, float, float]:
+    def place_of(self, hit: Hit) -> tuple[float, float, float]:
         """Return the place of a collision, which is the middle between the nearest points of the bodies' cores [m]."""
-        x, y, z = (float(each) for each in self.find_nearest_at(hit, hit.phase).points.mean(axis=0))
+        x, y, z = (float(each) for each in self.find_nearest_at(hit.nearest, hit.nearest.phase).points.mean(axis=0))
         return x, y, z
 
-    def ends_inside(self, hit: Clearance) -> bool:
-        """Return whether the two bodies of a collision overlap at the end of the movement."""
-        return self.find_nearest_at(hit, np.inf).distance < 0
+    def ends_near(self, hit: Hit) -> bool:
+        """Return whether the two bodies of a collision are also too near to each other at the end of the movement."""
+        return self.find_nearest_at(hit.nearest, np.inf).distance < hit.kept
 
-    def find_nearest_at(self, hit: Clearance, phase: float) -> Nearest:
+    def find_nearest_at(self, nearest: Clearance, phase: float) -> Nearest:
         """Return the distance of the bodies of a least distance at a phase, or at the end of the movement."""
-        index = next(i for i, track in enumerate(self.tracks) if track.body.name == hit.moving)
+        index = next(i for i, track in enumerate(self.tracks) if track.body.name == nearest.moving)
         track = self.tracks[index]
-        other = next(each for each in self.neighbours[index] if each.body.name == hit.other)
+        other = next(each for each in self.neighbours[index] if each.body.name == nearest.other)
         return find_nearest(track.body, track.at(min(phase, len(track.positions) - 1.0)), other.body, other.pose)
 
 
@@ -134,8 +161,13 @@ def _find_sweep(
                 for other in resting
                 if not rules.allow(name, other, trace.world) and not pass_through(mine, task.token_by_name[other])
             )
-            neighbours.append(tuple(Neighbour(bodies[other], pose_of(trace.world, other)) for other in others))
+            neighbours.append(tuple(_neighbour(task, instance, bodies[other], trace.world) for other in others))
     return Sweep(instance, trace, tuple(tracks), tuple(neighbours))
+
+
+def _neighbour(task: Task, instance: BlockInstance, body: Body, world: State) -> Neighbour:
+    kept = 0.0 if body.name in instance.roles.values() else task.limits.clearance
+    return Neighbour(body, pose_of(world, body.name), kept)
 
 
 def track_of(body: Body, states: State) -> Track:
@@ -149,12 +181,26 @@ def _rows(states: State) -> list[int]:
     return [*range(0, last, _EVERY), last]
 
 
-def allow_contact(one: Body, at: Pose, other: Body, there: Pose) -> float:
-    """Return the least distance that two bodies may have during a movement, from their poses at its start [m].
+def require_distance(track: Track, other: Neighbour) -> float:
+    """Return the least distance that a moving body may have from a body at rest [m]."""
+    return allow_contact(track.body, track.at(0.0), other.body, other.pose, other.kept)
 
-    The distance must not be negative. Only bodies that touch at the start may remain as deep as they are.
+
+def allow_contact(one: Body, at: Pose, other: Body, there: Pose, kept: float = 0.0) -> float:
+    """Return the least distance that two bodies may have during a movement [m].
+
+    Bodies that are near each other at the start may remain as near, and bodies that touch may remain as deep.
+
+    Args:
+        one: a body.
+        at: pose of this body at the start of the movement.
+        other: another body.
+        there: pose of the other body at the start of the movement.
+        kept: distance that the movement must keep from bodies that are farther away at the start [m].
     """
-    if bound_distance(one, at, other, there) > _TOUCHING:
-        return 0.0
+    if bound_distance(one, at, other, there) > max(_TOUCHING, kept + _DEEPER):
+        return kept
     distance = find_nearest(one, at, other, there).distance
-    return 0.0 if distance > _TOUCHING else min(distance, 0.0) - _DEEPER
+    if distance <= _TOUCHING:
+        return min(distance, 0.0) - _DEEPER
+    return min(kept, max(distance - _DEEPER, 0.0))

@@ -18,7 +18,7 @@ from hybrid_tamp.model.refined import CLEAR
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.swept import SweptBody, SweptPath, SweptPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.clearance import Sweep, allow_contact, find_sweeps, track_of
+from hybrid_tamp.planning.clearance import Sweep, find_sweeps, require_distance, track_of
 
 NEAR = 0.5
 """Largest distance of a closest pair [m]."""
@@ -58,7 +58,7 @@ def sweep_plan(outcome: PlanOutcome, deadline: Deadline = NEVER) -> SweptPlan:
             continue  # The instance moves only tokens without a shape.
         name = movement.instance.name
         hit = movement.find_hit() if refused is not None and name == refused.where else None
-        pair = _find_closest_pair(movement) if hit is None else _describe(movement, hit)
+        pair = _find_closest_pair(movement) if hit is None else _describe(movement, hit.nearest, hit.kept)
         bodies = (SweptBody(each.body.name, each.positions, each.orientations) for each in movement.tracks)
         paths.append(SweptPath(movement.instance, tuple(bodies), movement.times, pair))
     return SweptPlan(task, tuple(paths), refused)
@@ -86,17 +86,16 @@ def _measure(recording: Recording, instance: BlockInstance, moving: Body, other:
 
 def _find_closest_pair(movement: Sweep) -> ClosestPair | None:
     best: Clearance | None = None
+    kept: dict[tuple[str, str], float] = {}
     for track, neighbours in zip(movement.tracks, movement.neighbours, strict=True):
-        others = [
-            (each.body, each.pose)
-            for each in neighbours
-            if allow_contact(track.body, track.at(0.0), each.body, each.pose) == 0.0
-        ]
+        near = [each for each in neighbours if track.bound_distance(each.body, each.pose) < NEAR]
+        kept |= {(track.body.name, each.body.name): require_distance(track, each) for each in near}
+        others = [(each.body, each.pose) for each in near if kept[track.body.name, each.body.name] >= 0.0]
         best = find_closest(track, others, NEAR if best is None else best.distance) or best
-    return None if best is None else _describe(movement, best)
+    return None if best is None else _describe(movement, best, kept[best.moving, best.other])
 
 
-def _describe(movement: Sweep, found: Clearance) -> ClosestPair:
+def _describe(movement: Sweep, found: Clearance, kept: float) -> ClosestPair:
     """Return the pair of bodies at the phase of their least distance."""
     return ClosestPair(
         instance=movement.instance.name,
@@ -105,6 +104,7 @@ def _describe(movement: Sweep, found: Clearance) -> ClosestPair:
         distance=found.distance,
         time=float(np.interp(found.phase, range(len(movement.times)), movement.times)),
         points=_on_surfaces(movement.find_nearest_at(found, found.phase)),
+        kept=kept,
     )
 
 

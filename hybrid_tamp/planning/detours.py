@@ -23,6 +23,8 @@ CLEARANCE = 0.02
 """Distance that a path keeps from other bodies [m], as an allowance for servo errors and rounded corners."""
 _CLOSER = 2e-3
 """Amount by which a path may come closer to a body than the ends of the movement [m]."""
+_ROUNDING = 1e-5
+"""Largest rounding error of a distance [m]."""
 _MOST_CHECKS = 20_000
 """Largest number of positions that a query checks."""
 _ROOM = 0.6
@@ -87,7 +89,9 @@ def _obstacles(movement: Sweep, lead: Track) -> Iterator[Obstacle]:
             for track in movement.tracks
             for phase in (0.0, len(lead.positions) - 1.0)
         ]
-        yield Obstacle(each.body, each.pose, min(CLEARANCE, min(ends) - _CLOSER))
+        # A path that came nearer than `Neighbour.kept` would be refused, unless its ends are as near.
+        margin = max(min(ends) - _CLOSER, min(each.kept, min(ends) - _ROUNDING))
+        yield Obstacle(each.body, each.pose, min(CLEARANCE, margin))
 
 
 def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], FloatArray]:

@@ -82,7 +82,7 @@ def avoid_collisions(outcome: PlanOutcome, find_plan: FindPlan, deadline: Deadli
         return route_defaults(outcome.chosen or outcome.task, plan, deadline)
 
     def accept(outcome: PlanOutcome, refined: RefinedPlan) -> PlanOutcome:
-        changed = refined.plan.order or any(instance.path for instance in refined.plan.instances)
+        changed = refined.plan.order or refined.optimiser or any(each.path for each in refined.plan.instances)
         plan = refined.plan if changed else outcome.plan
         return replace(outcome, plan=plan, closest_pairs=refined.closest_pairs)
 
@@ -141,7 +141,7 @@ def _optimise(
 
     def choose(one: TaskPlan, rollouts: Rollouts) -> RefinedPlan:
         measured = PhysicsRollouts(task, one, backend, processes, deadline)
-        return refine(task, one, tell, rollouts, measured=measured, deadline=deadline)
+        return refine(task, one, tell, rollouts, measured=measured, nearby=rollouts.guards, deadline=deadline)
 
     return route(task, plan, choose, deadline)
 

@@ -52,8 +52,8 @@ def _of(attribute: str, *names: str) -> Keys:
 
 
 _TASK: Keys = (Key("task", "task.name"), Key("domain", "task.domain.name"))
-_PLANNED_PAIR: Keys = ("instance", "moving", "other", "distance", "time", "points")
-_MEASURED_PAIR: Keys = ("instance", "moving", "other", "distance", "measured")
+_PLANNED_PAIR: Keys = ("instance", "moving", "other", "distance", Key("margin", default=0.0), "time", "points")
+_MEASURED_PAIR: Keys = ("instance", "moving", "other", "distance", Key("margin", default=0.0), "measured")
 _GOAL: Keys = ("atom", Key("margin", "measured"), "holds")
 
 _REFINEMENT: Keys = (
@@ -121,6 +121,7 @@ _RESULT: Keys = (
     Key("law", sources.breaches),
     Key("comparison", default=list),
     Key("clearance", "closest_pairs", default=list, keys=_MEASURED_PAIR),
+    Key("collisions", sources.collisions, default=list),
 )
 
 _IMITATION: Keys = (

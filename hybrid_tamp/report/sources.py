@@ -80,6 +80,11 @@ def breaches(result: RunResult) -> tuple[str, ...]:
     return tuple(breach.text for breach in result.law)
 
 
+def collisions(result: RunResult) -> tuple[str, ...]:
+    """Collisions that the independent check of the recording finds; empty if there are none."""
+    return tuple(collision.text for collision in result.collisions)
+
+
 def out_of_bounds(result: RunResult) -> tuple[str, ...]:
     """Metrics outside the bounds of the domain, each with its value and its bounds."""
     return tuple(each.text for each in result.out_of_bounds)

@@ -85,6 +85,13 @@ class LimitsEntry(_Entry):
     contact: Number = quantity(
         "N", "largest force of a forbidden contact; a larger force ends the run", default=Limits.contact, ge=0, le=1e6
     )
+    clearance: Number = quantity(
+        "m",
+        "distance that planned movements keep from bodies at rest, as an allowance for the errors of servos",
+        default=Limits.clearance,
+        ge=0,
+        le=1,
+    )
 
 
 class RangeEntry(_Entry):

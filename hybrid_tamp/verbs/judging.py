@@ -14,6 +14,7 @@ from hybrid_tamp.model.run_result import Compared, RunResult
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 from hybrid_tamp.planning.closest_pairs import measure_pairs
+from hybrid_tamp.planning.collisions import check_recording
 from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.versions import versions
 
@@ -48,6 +49,7 @@ def judge(
         law=tuple([] if recording.failure else check_law(task, recording.plan, recording.at)),
         comparison=comparison,
         closest_pairs=measure_pairs(task, recording, outcome.closest_pairs),
+        collisions=() if recording.failure else check_recording(task, recording),
     )
 
 

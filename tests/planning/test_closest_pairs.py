@@ -73,7 +73,7 @@ def test_the_movements_of_a_refused_plan_show_the_place_and_the_depth() -> None:
     (hit,) = (path.closest for path in swept.paths if path.instance.name == swept.refused.where)
     assert hit is not None
     assert (hit.moving, hit.other) == ("drum 0", "wall")
-    assert hit.distance == swept.refused.margin
+    assert hit.margin == swept.refused.margin
     assert hit.points[0][0] == pytest.approx(0.45, abs=0.1)
 
 
