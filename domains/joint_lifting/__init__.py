@@ -10,10 +10,12 @@ from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwo
 from hybrid_tamp.skills import (
     RESTING,
     ReachGoal,
+    TurningEndEffector,
     conditions,
     find_classes,
     find_predicates,
     get_symbol,
+    get_token,
     get_tokens,
     make_reaching,
 )
@@ -22,7 +24,7 @@ from .carrying import carrying
 from .classes import Liftable
 from .lifting import holding, lifting, lowering
 from .metrics import CONTROLLED, metrics
-from .places import PLACE, place_at, places_of
+from .places import PLACE, VERTICAL, place_at, places_of
 from .predicates import AT_PLACE, FITS, STANDS, UPRIGHT, WITHIN_REACH
 from .together import MODES
 
@@ -30,6 +32,10 @@ from .together import MODES
 def _beside(binding: Binding, state: State) -> FloatArray:
     hand, thing = get_tokens(binding, "hand", "object")
     return place_at(state, hand, thing, get_symbol(binding, "place"))
+
+
+def _upright(binding: Binding, state: State) -> FloatArray:
+    return VERTICAL.orientation(state, get_token(binding, "hand"))
 
 
 def _edges() -> Iterator[tuple[str, str]]:
@@ -53,6 +59,7 @@ def _edges() -> Iterator[tuple[str, str]]:
 _BESIDE = ReachGoal(
     targets=(Target("object", Liftable), Target("place", PLACE)),
     position=_beside,
+    orientation=_upright,
     entry=conditions((STANDS, UPRIGHT, WITHIN_REACH, FITS)),
     arrived=conditions((AT_PLACE,)),
     lasting=conditions((STANDS,)),
@@ -62,7 +69,7 @@ _BLOCKS = (make_reaching(_BESIDE, "place"), *_BEARING, RESTING)
 
 DOMAIN = Domain(
     name="joint_lifting",
-    classes=find_classes(_BLOCKS),
+    classes=(*find_classes(_BLOCKS), TurningEndEffector),
     predicates=find_predicates(_BLOCKS),
     blocks=_BLOCKS,
     network=ReassignmentNetwork(_edges(), [block.name for block in _BLOCKS]),

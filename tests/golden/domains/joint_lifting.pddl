@@ -11,12 +11,14 @@
 ;   right-front is 'right front'
 ;   static-end-effector is 'STATIC END-EFFECTOR'
 ;   token is 'TOKEN'
+;   turning-end-effector is 'TURNING END-EFFECTOR'
 ;   two-hands is 'two hands'
 (define (domain joint_lifting)
   (:requirements :strips :typing)
   (:types
     token region place crew how-many - object
     static-end-effector liftable - token
+    turning-end-effector - static-end-effector
   )
   (:constants
     left right left-front left-back right-front right-back - place
