@@ -1,14 +1,17 @@
 """Joint lifting (paper, Sec. II-E): several hands together lift an object that is too heavy for fewer hands.
 
 Modules, in reading order: `places`, `classes`, `load`, `predicates`, `bearing`, `together`, `lifting` (LIFTING, HOLDING
-and LOWERING), `carrying` (CARRYING). `hybrid_tamp.skills` provides REACHING (D5) and RESTING (D6).
+and LOWERING), `carrying` (CARRYING). `hybrid_tamp.skills` provides REACHING (D5), RESTING (D6)
+and WITHDRAWING.
 """
 
 from collections.abc import Iterator
 
 from hybrid_tamp.authoring import Binding, Domain, FloatArray, ReassignmentNetwork, State, Target
 from hybrid_tamp.skills import (
+    GIVING_WAY,
     RESTING,
+    WITHDRAWING,
     ReachGoal,
     TurningEndEffector,
     conditions,
@@ -43,7 +46,7 @@ def _edges() -> Iterator[tuple[str, str]]:
 
     A lifted box and its hands move to the next block together, and the mode stays the same.
     """
-    yield from (("RESTING.token", "REACHING.hand"), ("REACHING.hand", "RESTING.token"))
+    yield from (("RESTING.token", "REACHING.hand"), ("REACHING.hand", "RESTING.token"), *GIVING_WAY)
     yield from (("RESTING.token", "LIFTING.object"), ("LOWERING.object", "RESTING.token"))
     for mode, crew in MODES.items():
         hands = [slot for slot, _ in places_of(crew)]
@@ -65,7 +68,7 @@ _BESIDE = ReachGoal(
     lasting=conditions((STANDS,)),
 )
 _BEARING = tuple(make(mode) for make in (lifting, holding, carrying, lowering) for mode in MODES)
-_BLOCKS = (make_reaching(_BESIDE, "place"), *_BEARING, RESTING)
+_BLOCKS = (make_reaching(_BESIDE, "place"), *_BEARING, WITHDRAWING, RESTING)
 
 DOMAIN = Domain(
     name="joint_lifting",

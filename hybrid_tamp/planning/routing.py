@@ -3,9 +3,11 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from hybrid_tamp.collision.sweeps import Clearance
 from hybrid_tamp.midlevel.refinement import evaluate_defaults
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.model.deadline import NEVER, Deadline
@@ -17,6 +19,7 @@ from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.closest_pairs import find_closest_pairs
 from hybrid_tamp.planning.detours import find_detour
+from hybrid_tamp.planning.giving_way import make_room, waiting_for
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 from hybrid_tamp.planning.overhangs import Overhang, find_overhang
 from hybrid_tamp.planning.proofs import prove_blocked
@@ -47,7 +50,8 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
         rollouts = Rollouts(task, plan, deadline)
         refined = evaluate(plan, rollouts)
         if refined.shortfall is not None:
-            return refined
+            where = waiting_for(refined.plan, refined.shortfall.where)
+            return replace(refined, shortfall=replace(refined.shortfall, where=where))
         movements = list(find_sweeps(task, refined.plan, rollouts.trace(refined.plan), deadline))
         overhang = find_overhang(task, movements)
         if overhang is not None:
@@ -70,21 +74,47 @@ def _fall(overhang: Overhang) -> Shortfall:
 def _avoid_bodies(
     task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Sweep]
 ) -> TaskPlan | Shortfall | None:
-    """Return the plan with a path for the first movement that hits a body at rest, or the reason if there is none."""
+    """Return the plan in which the first movement that hits a body at rest avoids it, or the reason if it cannot."""
     for movement in movements:
         hit = movement.find_hit()
-        if hit is None:
-            continue
-        name = movement.instance.name
-        path, remark, proven = _find_way(task, movement)
-        if path is None:
-            atom = Atom(CLEAR, (hit.moving, hit.other))
-            if movement.ends_inside(hit):
-                remark = f"where the movement ends, {remark}" if proven else "where the movement ends"
-            return Shortfall(name, atom, "m", hit.distance, remark, movement.place_of(hit), proven)
-        _LOG.info("%s follows a path with %d corners, because %s would hit %s", name, len(path), hit.moving, hit.other)
-        return plan.with_path(name, path)
+        if hit is not None:
+            return _avoid(task, refined, plan, movements, movement, hit)
     return None
+
+
+def _avoid(
+    task: Task,
+    refined: RefinedPlan,
+    plan: TaskPlan,
+    movements: Sequence[Sweep],
+    movement: Sweep,
+    hit: Clearance,
+) -> TaskPlan | Shortfall:
+    """Return the plan with a path for a movement, or in which a resting hand gives way, or the reason if neither helps.
+
+    If the hand rests where the movement ends, no path helps.
+    """
+    name, ends_inside = movement.instance.name, movement.ends_inside(hit)
+    make_way = partial(make_room, task, refined.plan, movements, movement, hit.other)
+    changed = make_way() if ends_inside else None
+    if changed is None:
+        path, remark, proven = _find_way(task, movement)
+        if path is not None:
+            _LOG.info(
+                "%s follows a path with %d corners, because %s would hit %s", name, len(path), hit.moving, hit.other
+            )
+            return plan.with_path(name, path)
+        changed = None if ends_inside else make_way()
+    if changed is not None:
+        values = {each.name: each.hyperparameters for each in plan.instances}
+        instances = (replace(each, hyperparameters=values.get(each.name, {})) for each in changed.instances)
+        return replace(changed, instances=tuple(instances))
+    if ends_inside:
+        remark = f"where the movement ends, {remark}" if proven else "where the movement ends"
+    where = waiting_for(refined.plan, name)
+    return Shortfall(
+        where, Atom(CLEAR, (hit.moving, hit.other)), "m", hit.distance, remark, movement.place_of(hit), proven
+    )
 
 
 def _find_way(task: Task, movement: Sweep) -> tuple[FloatArray | None, str, bool]:

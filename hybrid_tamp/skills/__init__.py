@@ -167,3 +167,5 @@ from hybrid_tamp.skills.vectors import stop_at_face as stop_at_face
 from hybrid_tamp.skills.vectors import to_body as to_body
 from hybrid_tamp.skills.vectors import unit as unit
 from hybrid_tamp.skills.vectors import z_axis as z_axis
+from hybrid_tamp.skills.withdrawing import GIVING_WAY as GIVING_WAY
+from hybrid_tamp.skills.withdrawing import WITHDRAWING as WITHDRAWING

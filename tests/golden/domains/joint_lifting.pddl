@@ -222,6 +222,7 @@
     (leaving-lowering-four-first-third-fourth ?anchor - liftable)
     (leaving-lowering-four-second-third-fourth ?anchor - liftable)
     (leaving-lowering-four-first-second-third-fourth ?anchor - liftable)
+    (in-withdrawing ?anchor - static-end-effector)
     (in-resting ?anchor - token)
   )
   (:action fill-lowering-four-first-from-carrying-four-first
@@ -4978,6 +4979,31 @@
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
+    )
+  )
+  (:action begin-withdrawing-from-resting
+    :parameters (?hand - static-end-effector)
+    :precondition (and
+      (idle)
+      (in-resting ?hand)
+    )
+    :effect (and
+      (not (in-resting ?hand))
+      (in-withdrawing ?hand)
+      (at_rest ?hand)
+    )
+  )
+  (:action begin-resting-from-withdrawing
+    :parameters (?token - static-end-effector)
+    :precondition (and
+      (idle)
+      (in-withdrawing ?token)
+      (unclaimed ?token)
+      (at_rest ?token)
+    )
+    :effect (and
+      (not (in-withdrawing ?token))
+      (in-resting ?token)
     )
   )
 )
