@@ -179,11 +179,6 @@ class Block:
         """Whether the continuous system of the block changes the state."""
         return self.system is not None or any(self.writes.values())
 
-    @property
-    def makes_way(self) -> bool:
-        """Whether the block only moves a single token along a path. The task planner needs no such block."""
-        return len(self.slots) == 1 and self.path == self.anchor and not self.targets and not self.entry
-
     @cached_property
     def system_maker(self) -> SystemMaker:
         """The declared `system`, or the default system. Nothing moves if the block writes nothing."""

@@ -11,7 +11,7 @@ from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.state import State
-from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.task import MidLevel, Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.physics.protocol import open_backend
 from hybrid_tamp.skills import StaticEndEffector
@@ -33,7 +33,8 @@ def blocked(room: float = 0.28) -> Task:
 
 @pytest.fixture(scope="module")
 def outcome() -> PlanOutcome:
-    return hybrid_tamp.plan(blocked())
+    task = blocked()
+    return hybrid_tamp.plan(task.replaced(midlevel=MidLevel(evaluations=2)), optimise=True)
 
 
 def test_a_resting_hand_withdraws_before_the_movement_that_would_hit_it(outcome: PlanOutcome) -> None:
