@@ -27,16 +27,19 @@ from hybrid_tamp.skills import (
     driven_velocity,
     force_on,
     gap_to_face,
+    keep_orientation,
     meet_face,
     norm,
     normal,
     press,
     stop_at_face,
     touches_face,
+    turn_hand,
+    turn_wrists,
 )
 
 from .load import friction, load
-from .places import Roles, height
+from .places import VERTICAL, Roles, height
 
 _SOFTNESS = 0.1
 """Ratio of a squeezing hand's stiffness along the normal of its face to its stiffness K in the other directions.
@@ -65,7 +68,9 @@ def bear(roles: Roles, start: State, parameters: Parameters, gaps: Sequence[Floa
         return Pressure(closed, closing, grip, moved, moving, bearing=weight * loaded[..., None])
 
     squeeze = np.asarray(parameters.hyperparameters["squeeze"])
-    return press(roles.contacts, roles.thing, start, gaps, squeeze, plan, softness=_SOFTNESS)
+    policy = press(roles.contacts, roles.thing, start, gaps, squeeze, plan, softness=_SOFTNESS)
+    upright = {hand: keep_orientation(VERTICAL.orientation(start, hand)) for hand, _ in roles.hands}
+    return turn_wrists(policy, upright)
 
 
 def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSystem:
@@ -100,6 +105,7 @@ def bearing_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
             after = velocity - UP * (impulse / hand["mass"])[..., None]
             changes[hand.name, "velocity"] = after
             changes[hand.name, "position"] = state[hand, "position"] + after * dt
+            changes |= turn_hand(hand, state, commands, dt)
         speed = np.maximum(sinking + lifting / mass, lowest)
         changes[thing.name, "position"] = state[thing, "position"] + UP * (speed * dt)[..., None]
         # A box that reaches the floor in this step is at rest after the step.
@@ -142,6 +148,7 @@ def carried_system(crew: str, binding: Binding, start: State) -> ContinuousSyste
             after = common + stop_at_face(left - common, outward, gap, dt)
             changes[hand.name, "velocity"] = after
             changes[hand.name, "position"] = state[hand, "position"] + after * dt
+            changes |= turn_hand(hand, state, commands, dt)
         carried = _not_below(falling + given / mass, lowest)
         changes[thing.name, "position"] = state[thing, "position"] + carried * dt
         changes[thing.name, "velocity"] = carried

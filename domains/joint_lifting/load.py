@@ -10,7 +10,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import DEFAULT_FRICTION, GRAVITY, Token
 
-from .places import CREWS
+from .places import CREWS, height_of_hand
 
 RESERVE = 1.5
 """Ratio of the squeeze to the smallest squeeze without slip. The reserve covers acceleration and unequal shares."""
@@ -38,6 +38,16 @@ def bearable(hand: Token, thing: Token, factor: float) -> float:
     """Return the largest part of an object's weight [N] that a hand can bear by friction with a safety factor."""
     coefficient = friction(thing)
     return float(hand["maximal_force"] * coefficient / np.hypot(coefficient, factor))
+
+
+def wrist_moment(hand: Token, thing: Token, crew: str) -> float:
+    """Return the moment [N m] that the wrist of a hand in a crew must bear to stay upright.
+
+    The weight acts on the surface of the hand, at a distance from its axis. The squeeze balances this moment if its
+    centre is above the centre of the hand, but the centre of the squeeze cannot be above the top of the box.
+    """
+    below_top = float(thing["half_extents"][2]) - height_of_hand(hand, thing)
+    return max(0.0, load(thing, crew) * float(hand["radius"]) - squeeze_for(thing, crew) * below_top)
 
 
 def largest_squeeze(hand: Token, thing: Token, crew: str) -> float:

@@ -2,9 +2,9 @@
 
 Hands squeeze a box along its own x axis, at its left face (-x) and its right face (+x). At each face there is either
 one hand in the middle, or one hand in the front half (-y) and one hand in the back half (+y). Each hand is upright, so
-it touches its face along a vertical line for every yaw of the box. The lower end of each hand is above the centre of
-the box, so the box hangs stably. Vectors are in the world frame unless a name says otherwise. Batch dimensions come
-first.
+it touches its face along a vertical line for every yaw of the box. The lower end of a hand is above the centre of the
+box, so the box hangs stably. A hand that can turn is lower if the box is low, because its wrist bears only a limited
+moment. Vectors are in the world frame unless a name says otherwise. Batch dimensions come first.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from hybrid_tamp.authoring import Binding, FloatArray, State, SymbolSort, Token, rotate
-from hybrid_tamp.skills import NORMALS, STANDBY_GAP, get_token, point
+from hybrid_tamp.skills import NORMALS, STANDBY_GAP, UP, Alignment, can_turn, get_token, point
 
 SPOTS: dict[str, tuple[str, float]] = {
     "left": ("left", 0.0),
@@ -35,8 +35,14 @@ CREW = SymbolSort("crew", tuple(CREWS), "number of hands that lift a box togethe
 SLOTS = ("first", "second", "third", "fourth")
 """Slots of the hands, in the same order as the places in `CREWS`."""
 
-ABOVE_CENTRE = 0.01
+VERTICAL = Alignment(lambda state, hand, *values: UP, float(np.radians(3.0)))
+"""How a hand lies at its place: upright."""
+_ABOVE_CENTRE = 0.01
 """Height of the lower end of a hand above the centre of a box [m]."""
+_BELOW_TOP = 0.03
+"""Smallest depth of the centre of a hand that can turn below the top of a box, if the floor allows it [m]."""
+_ABOVE_GROUND = 0.01
+"""Smallest height of the lower end of a hand above the ground of a box [m]."""
 FLOOR_TOLERANCE = 0.01
 """Largest distance of a bottom corner from the floor at which a box counts as standing on the floor [m]."""
 
@@ -72,12 +78,33 @@ def places_of(crew: str) -> tuple[tuple[str, str], ...]:
     return tuple(zip(SLOTS, CREWS[crew], strict=False))
 
 
+def crew_at(place: str) -> str:
+    """Return the symbol for the number of hands of the crew in which a hand is at a place."""
+    return next(crew for crew, places in CREWS.items() if place in places)
+
+
+def height_of_hand(hand: Token, thing: Token) -> float:
+    """Return the height [m] of the centre of a hand at its place above the centre of a box."""
+    half_length, half_height = float(hand["length"]) / 2.0, float(thing["half_extents"][2])
+    usual = _ABOVE_CENTRE + half_length
+    if not can_turn(hand):
+        return usual
+    return max(min(usual, half_height - _BELOW_TOP), half_length + _ABOVE_GROUND - half_height)
+
+
+def contact_length(hand: Token, thing: Token) -> float:
+    """Return the length [m] of the line along which a hand at its place touches its face. It may be negative."""
+    half_length, half_height = float(hand["length"]) / 2.0, float(thing["half_extents"][2])
+    centre = height_of_hand(hand, thing)
+    return min(half_height, centre + half_length) - max(-half_height, centre - half_length)
+
+
 def place_at(state: State, hand: Token, thing: Token, place: str, gap: float = STANDBY_GAP) -> FloatArray:
     """Return the position ``(..., 3)`` [m] of a hand's centre for a place at a box and a gap [m] to the box's face."""
     face, along = SPOTS[place]
     half_x, half_y, _ = thing["half_extents"]
     aside = NORMALS[face][0] * (half_x + hand["radius"] + gap)
-    return point(state, thing, np.array([aside, along * half_y, ABOVE_CENTRE + hand["length"] / 2.0]))
+    return point(state, thing, np.array([aside, along * half_y, height_of_hand(hand, thing)]))
 
 
 def corner_heights(state: State, thing: Token) -> FloatArray:

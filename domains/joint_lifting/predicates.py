@@ -12,6 +12,7 @@ from hybrid_tamp.skills import (
     StaticEndEffector,
     at_place,
     bears_share,
+    can_turn,
     competence,
     gap_to_face,
     heavy_enough,
@@ -19,18 +20,19 @@ from hybrid_tamp.skills import (
     length_predicate,
     level_with,
     within_reach,
-    z_axis,
 )
 
 from .classes import Liftable
-from .load import RESERVE, bearable, friction, load
+from .load import RESERVE, bearable, friction, load, squeeze_for, wrist_moment
 from .places import (
-    ABOVE_CENTRE,
     CREW,
     FLOOR_TOLERANCE,
     PLACE,
     SPOTS,
+    VERTICAL,
+    contact_length,
     corner_heights,
+    crew_at,
     height,
     place_at,
 )
@@ -47,7 +49,6 @@ LOWEST_LIFT = 0.11
 PLACE_TOLERANCE = 0.03
 """Largest distance at which a hand counts as at its place [m]. The tolerance covers the standby gap and slip."""
 _CLEAR = 0.005
-_UPRIGHT = np.sin(np.radians(3.0))
 _SKEW = float(np.tan(np.radians(0.5)))
 """Ratio of the force along a face to the squeeze, if a hand presses askew by half a degree."""
 _LEAST_WEIGHT = 0.004
@@ -69,10 +70,6 @@ def _footing(state: State, thing: Token) -> FloatArray:
 def _clearance(state: State, hand: Token, thing: Token) -> FloatArray:
     nearer = np.maximum(gap_to_face(state, hand, thing, "left"), gap_to_face(state, hand, thing, "right"))
     return np.asarray(nearer - _CLEAR)
-
-
-def _uprightness(state: State, hand: Token) -> FloatArray:
-    return np.asarray(_UPRIGHT - np.linalg.norm(z_axis(state, hand)[..., :2], axis=-1))
 
 
 def room_above(state: State, hand: Token, thing: Token, place: str) -> FloatArray:
@@ -103,10 +100,27 @@ def _lift_at(state: State, hand: Token, thing: Token, place: str, region: Token)
 
 
 def _room(hand: Token, thing: Token, place: str) -> float:
-    """Return the smaller of two margins [m]: the spare width of the face, and the spare length of the contact line."""
-    _, half_y, half_z = thing["half_extents"]
+    """Return the least of three margins [m].
+
+    The margins are the spare width of the face, the spare length of the contact line and, for a hand that can turn, the
+    lever at which the squeeze makes up the spare moment of the wrist.
+    """
+    half_y = float(thing["half_extents"][1])
     wide = half_y - _ABREAST if SPOTS[place][1] else 2.0 * half_y
-    return float(min(wide - 2.0 * hand["radius"], min(half_z - ABOVE_CENTRE, hand["length"]) - _TOUCHING))
+    room = min(wide - 2.0 * hand["radius"], contact_length(hand, thing) - _TOUCHING)
+    if not can_turn(hand):
+        return float(room)
+    crew = crew_at(place)
+    spare = float(hand["maximal_torque"]) - wrist_moment(hand, thing, crew)
+    return float(min(room, spare / squeeze_for(thing, crew)))
+
+
+def _misfit(state: State, hand: Token, thing: Token, place: str) -> str:
+    """Return what is wrong with a hand at a place."""
+    moment = wrist_moment(hand, thing, crew_at(place)) if can_turn(hand) else 0.0
+    if moment > hand.properties.get("maximal_torque", moment):
+        return f"its wrist would have to bear {moment:.3g} N m, but it bears at most {hand['maximal_torque']:.3g} N m"
+    return f"off by {-_room(hand, thing, place):.4g} m"
 
 
 def _grip(thing: Token) -> float:
@@ -138,6 +152,7 @@ AT_PLACE = at_place(
     (_HAND, _OBJECT, _PLACE),
     PLACE_TOLERANCE,
     place_at,
+    VERTICAL,
     description="{hand} is at the {place} of {object}",
     denial="{hand} is not at the {place} of {object}",
 )
@@ -156,11 +171,14 @@ LEVEL_WITH = level_with(Liftable)
 UPRIGHT = competence(
     "upright",
     (_HAND,),
-    _uprightness,
-    unit="1",
+    lambda state, hand: VERTICAL.most - VERTICAL.deviation(state, hand),
+    unit="rad",
     scale=0.05,
+    distance=VERTICAL.deviation,
     reads={"hand": ("orientation",)},
-    description="{hand} is upright",
+    # A hand that cannot turn keeps its axis, and a hand that can turn becomes upright during its reach.
+    at_start=True,
+    description="{hand} can be upright",
     denial="{hand} cannot turn and is not upright",
 )
 WITHIN_REACH = within_reach(
@@ -184,6 +202,7 @@ FITS = competence(
     "fits",
     (_HAND, _OBJECT, _PLACE),
     _room,
+    detail=_misfit,
     description="{hand} fits at the {place} of {object}",
     denial="{hand} does not fit at the {place} of {object}",
 )

@@ -4,12 +4,12 @@ Modules of rolling, in reading order: `classes`, `geometry`, `predicates`, `resi
 Modules of tumbling, in reading order: `faces`, `turning_hands`, `tumbling_geometry`, `standing`, `sliding`, `edges`,
 `tumbling_predicates`, `control_predicates`, `turning`, `tipping` (D2 to D4), `curves`, `detours`,
 `reaching_around` (D5).
-`hybrid_tamp.skills` provides RESTING (D6) and, for rolling, REACHING (D5). `probing_rolling` and `probing_tumbling`
-test whether new objects can be rolled and tumbled.
+`hybrid_tamp.skills` provides RESTING (D6), WITHDRAWING and, for rolling, REACHING (D5). `probing_rolling` and
+`probing_tumbling` test whether new objects can be rolled and tumbled.
 """
 
 from hybrid_tamp.authoring import Domain, ReassignmentNetwork
-from hybrid_tamp.skills import RESTING, TurningEndEffector, find_classes, find_predicates
+from hybrid_tamp.skills import GIVING_WAY, RESTING, WITHDRAWING, TurningEndEffector, find_classes, find_predicates
 
 from .metrics import CONTROLLED, metrics
 from .probing_rolling import TRY_ROLLING
@@ -18,10 +18,11 @@ from .reaching_around import REACH_AWAY, REACH_BESIDE
 from .rolling import REACH_BEHIND, ROLLING
 from .tipping import TILTING, TIPPING
 
-_BLOCKS = (REACH_BEHIND, REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, RESTING)
+_BLOCKS = (REACH_BEHIND, REACH_BESIDE, REACH_AWAY, *TIPPING, TILTING, ROLLING, WITHDRAWING, RESTING)
 _EDGES = (
     ("RESTING.token", "REACHING.hand"),
     ("REACHING.hand", "RESTING.token"),
+    *GIVING_WAY,
     # A hand rolls an object.
     ("REACHING:behind.hand", "ROLLING.hand"),
     ("RESTING.token", "ROLLING.object"),

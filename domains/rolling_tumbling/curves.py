@@ -6,12 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hybrid_tamp.authoring import FloatArray, State
-from hybrid_tamp.skills import CORNER_SAMPLES, Curve, round_corners
+from hybrid_tamp.skills import Curve
 
 _LONGEST = 7
 """Number of corners of the longest route around a box. All curves have at least as many corners."""
-_TURNING = 0.3
-"""Length of curve [m] that counts for each radian of the hand's turn. The hand moves slowly while it turns."""
 
 
 class Route(NamedTuple):
@@ -39,24 +37,14 @@ def curve_through(start: State, make: Callable[[State], Route]) -> Curve:
     rows = start.values.reshape(-1, start.values.shape[-1])
     routes = [make(State(start.layout, row)) for row in rows]
     count = max(_LONGEST, *(len(route.corners) for route in routes))
-    points = round_corners(np.array([_padded(route.corners, count) for route in routes]))
-    steps = np.linalg.norm(np.diff(points, axis=-2), axis=-1)
-    paces, turning = np.ones_like(steps), np.zeros((len(rows), 2))
-    for row, route in enumerate(routes):
-        if route.angle > 0.0:
-            # The samples from the end of the rounded second corner to the start of the rounded last corner but one.
-            first, last = CORNER_SAMPLES, 1 + CORNER_SAMPLES * (len(route.corners) - 3)
-            # A hand that does not move between the two corners turns on the spot.
-            moved = steps[row, first:last].copy()
-            share = (moved + 1e-6) / (moved + 1e-6).sum()
-            before = float(steps[row, :first].sum())
-            steps[row, first:last] += _TURNING * route.angle * share
-            paces[row, first:last] = moved / steps[row, first:last]
-            turning[row] = before, before + float(steps[row, first:last].sum())
-    arcs = np.concatenate([np.zeros((len(rows), 1)), np.cumsum(steps, axis=-1)], axis=-1)
+    curve = Curve.through(np.array([_padded(route.corners, count) for route in routes]))
+    angles = np.array([route.angle for route in routes])
+    if angles.any():
+        curve = curve.turning_within(angles, np.array([len(route.corners) for route in routes]))
     batch = start.values.shape[:-1]
     shapes = ((-1, 3), (-1,), (-1,), (2,))
-    return Curve(*(a.reshape(*batch, *shape) for a, shape in zip((points, arcs, paces, turning), shapes, strict=True)))
+    parts = (curve.points, curve.arcs, curve.paces, curve.turning)
+    return Curve(*(part.reshape(*batch, *shape) for part, shape in zip(parts, shapes, strict=True)))
 
 
 def _padded(corners: list[FloatArray], count: int) -> FloatArray:

@@ -26,7 +26,7 @@ from hybrid_tamp.skills import (
 from .curves import Route
 from .geometry import FLOOR_CLEARANCE
 from .tumbling_geometry import above_ground, place_at, sides_around
-from .turning_hands import axis_beside, off_axis, own_axis
+from .turning_hands import ALIGNMENT, axis_beside, own_axis
 
 _ROOM = 0.055
 """Gap [m] between a box and a passing hand. The gap is wide enough for another hand."""
@@ -92,7 +92,7 @@ def route_to_face(state: State, hand: Token, thing: Token, face: str) -> Route:
     """Return the hand's route around the box to a face. The cheaper direction is chosen."""
     axis = axis_beside(state, hand, thing, face)
     nearest, _ = _face_beside(state, hand, thing, axis)
-    angle = float(off_axis(state, hand, thing, face)) if can_turn(hand) else 0.0
+    angle = float(ALIGNMENT.angle(state, hand, thing, face)) if can_turn(hand) else 0.0
     wide = can_turn(hand) and (angle > _STRAIGHT or nearest == OPPOSITE[face])
     room = _wide_room(hand) if wide else _ROOM
     place = place_at(state, hand, thing, face)

@@ -51,6 +51,7 @@ def _room(state: State, hand: Token, thing: Token, region: Token) -> FloatArray:
     exit condition IN_WORKSPACE checks the hand after the roll.
     """
     along, binding = heading(state, thing), {"hand": hand, "object": thing, "region": region}
+    state = ROLL.aligned(binding, state)
     height = ROLL.beside(binding, state)[..., 2:]
     ends = []
     for direction in (along, -along):

@@ -18,13 +18,8 @@ from hybrid_tamp.authoring import (
     Hyperparameters,
     Parameters,
     Policy,
-    Profile,
     State,
     Target,
-    quaternion_conjugate,
-    quaternion_from_rotation_vector,
-    quaternion_multiply,
-    rotation_vector,
 )
 from hybrid_tamp.skills import (
     FREE_TO_MOVE,
@@ -33,16 +28,15 @@ from hybrid_tamp.skills import (
     ReachGoal,
     Timetable,
     Transit,
-    TurnReference,
     advance,
     conditions,
     get_symbol,
-    get_token,
     get_tokens,
     make_reaching,
     position_servo,
     profile_of,
     straight_profile,
+    turn_along,
     turn_wrists,
 )
 
@@ -53,7 +47,7 @@ from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import above_ground, place_at
 from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
-from .turning_hands import wanted_orientation
+from .turning_hands import ALIGNMENT
 
 _SHORTEST = 0.8
 _ASIDE = 0.02
@@ -88,7 +82,7 @@ def _orientation(binding: Binding, state: State) -> FloatArray:
     hand, thing = get_tokens(binding, "hand", "object")
     if "face" not in binding:
         return state[hand, "orientation"]
-    return wanted_orientation(state, hand, thing, get_symbol(binding, "face"))
+    return ALIGNMENT.orientation(state, hand, thing, get_symbol(binding, "face"))
 
 
 def _place(binding: Binding, state: State) -> FloatArray:
@@ -141,20 +135,12 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
         velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
         return {(hand.name, "force"): servo(state, clear, velocity)}
 
-    return turn_wrists(policy, {hand: _turn(binding, start, curve, duration, profile)})
-
-
-def _turn(binding: Binding, start: State, curve: Curve, duration: FloatArray, profile: Profile) -> TurnReference:
-    """Return the reference of a hand that turns on its way from its initial orientation to its final orientation."""
-    begun = start[get_token(binding, "hand"), "orientation"].copy()
-    whole = rotation_vector(quaternion_multiply(_orientation(binding, start), quaternion_conjugate(begun)))
-
-    def reference(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        share, rate = curve.turned(elapsed, duration, profile)
-        turned = quaternion_from_rotation_vector(whole * share[..., None])
-        return quaternion_multiply(turned, begun), whole * rate[..., None]
-
-    return reference
+    turn = turn_along(
+        start[hand, "orientation"],
+        _orientation(binding, start),
+        lambda elapsed: curve.turned(elapsed, duration, profile),
+    )
+    return turn_wrists(policy, {hand: turn})
 
 
 REACH_BESIDE = make_reaching(

@@ -130,7 +130,6 @@ def _tipping(
         entry=(*conditions((relation, POSTURE), posture="before"), *_AT_FACES, *_ABLE, *feasible),
         exit=(POSTURE("object", "outcome"), *_AT_FACES),
         always=(IN_WORKSPACE, CLEAR_OF_FLOOR),
-        moved=BODY,
         invariants=(TURNS_SLOWLY("object"),),
         # Boxes do not roll, so the facts of rolling do not change.
         keeps=(INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE),

@@ -24,7 +24,7 @@ from .edges import ability, axis_of, lowness, strength_needed
 from .faces import EXPOSED_HOLD, FACE, HOLDS_HOLD, LEANS_HOLD, LOWERS_HOLD, POSTURES, TIPS_HOLD
 from .standing import FLAT_TOLERANCE, SLENDERNESS, standing
 from .tumbling_geometry import landing, outlook, place_at, sections, sides_around, to_the_right
-from .turning_hands import axes_of_turn, off_axis
+from .turning_hands import ALIGNMENT, axes_of_turn
 
 _HAND = Parameter("hand", StaticEndEffector)
 _OBJECT = Parameter("object", Tumblable)
@@ -32,13 +32,10 @@ _FACE = Parameter("face", FACE)
 _POSTURE = Parameter("posture", POSTURES)
 FACE_TOLERANCE = 0.06
 """Largest distance at which a hand counts as at its place at a face [m]."""
-_near_face = near(FACE_TOLERANCE, place_at)
 _ABOVE = 0.05
 _LEAST_OUTLOOK = 0.1
 _LYING = np.cos(np.radians(18.0))
 """Vertical component of the normal above which a face is a top or bottom face, which no hand touches."""
-_ALIGNMENT = float(np.radians(6.0))
-"""Largest angle by which the axis of a hand may deviate from level and from parallel to its face [rad]."""
 _RESERVE = 1.6
 
 
@@ -52,14 +49,6 @@ def _deviation(state: State, hand: Token, thing: Token, face: str) -> FloatArray
     along = z_axis(state, hand)
     sine = np.maximum(np.abs(dot(along, normal(state, thing, face))), np.abs(along[..., 2]))
     return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
-
-
-def _at_face(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return a margin [m] that is positive if a hand is at its place and, if the hand can turn, lies along the edge."""
-    margin = _near_face(state, hand, thing, face)
-    if not can_turn(hand):
-        return margin
-    return np.minimum(margin, FACE_TOLERANCE * (1.0 - off_axis(state, hand, thing, face) / _ALIGNMENT))
 
 
 def _share(state: State, hand: Token, thing: Token, factor: float) -> tuple[float, float]:
@@ -124,7 +113,7 @@ POSTURE = Predicate(
 AT_FACE = length_predicate(
     "at_face",
     (_HAND, _OBJECT, _FACE),
-    _at_face,
+    near(FACE_TOLERANCE, place_at, ALIGNMENT),
     reads={"hand": POSE, "object": POSE},
     kind=Kind.MAINTAINED,
     description="{hand} is at the {face} face of {object}",
@@ -133,7 +122,7 @@ AT_FACE = length_predicate(
 ALIGNED = competence(
     "aligned",
     (_HAND, _OBJECT, _FACE),
-    lambda state, *values: _ALIGNMENT - _deviation(state, *values),
+    lambda state, *values: ALIGNMENT.most - _deviation(state, *values),
     unit="rad",
     scale=0.05,
     distance=_deviation,

@@ -41,7 +41,7 @@ from hybrid_tamp.skills import (
 
 from .faces import edge_between, faces_of
 from .tumbling_geometry import edge_axis, edge_position, nominal_tilt, tilt
-from .turning_hands import wanted_orientation
+from .turning_hands import ALIGNMENT
 
 CLOSING = 0.35
 """Time in which the hands close on the box and build up the squeeze [s]."""
@@ -128,7 +128,7 @@ def keep_parallel(policy: Policy, contacts: Sequence[tuple[Token, str]], thing: 
         thing: the box.
         start: state at the beginning of the movement.
     """
-    wanted = {hand: keep_orientation(wanted_orientation(start, hand, thing, face)) for hand, face in contacts}
+    wanted = {hand: keep_orientation(ALIGNMENT.orientation(start, hand, thing, face)) for hand, face in contacts}
     return turn_wrists(policy, wanted)
 
 
@@ -159,5 +159,5 @@ def after_turning(binding: Binding, state: State) -> State:
     for hand, face in roles.contacts:
         gap = gap_to_face(state, hand, thing, face)[..., None] * normal(state, thing, face)
         changes[hand.name, "position"] = pivot + rotate(turn, state[hand, "position"] - gap - pivot)
-        changes[hand.name, "orientation"] = wanted_orientation(state, hand, thing, face)
+        changes[hand.name, "orientation"] = ALIGNMENT.orientation(state, hand, thing, face)
     return state.replace(changes)

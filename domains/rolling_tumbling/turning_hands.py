@@ -7,8 +7,8 @@ the pose of the box alone determines the orientation that the hand wants.
 
 import numpy as np
 
-from hybrid_tamp.authoring import FloatArray, State, Token, cross, normalized, quaternion_multiply, rotate
-from hybrid_tamp.skills import NORMALS, can_turn, dot, norm, to_body, z_axis
+from hybrid_tamp.authoring import FloatArray, State, Token, rotate
+from hybrid_tamp.skills import NORMALS, Alignment, can_turn, to_body, z_axis
 
 _AXES = np.eye(3)
 _LEVEL = 0.5
@@ -41,31 +41,11 @@ def axes_of_turn(state: State, hand: Token, thing: Token) -> tuple[int, ...]:
     return level or (int(np.argmax(along)),)
 
 
-def wanted_axis(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the direction ``(..., 3)`` along which a hand that can turn lies at a face.
-
-    Of the two opposite directions, the result is the direction nearer to the hand's present axis.
-    """
+def _line_beside(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
+    """Return the direction ``(..., 3)`` of the line along which a hand that can turn lies at a face."""
     along = parallelism(state, hand, thing) - 2.0 * np.abs(NORMALS[face])
-    wanted = rotate(state[thing, "orientation"], _AXES[np.argmax(along, axis=-1)])
-    return np.asarray(wanted * np.where(dot(wanted, z_axis(state, hand)) < 0.0, -1.0, 1.0)[..., None])
+    return rotate(state[thing, "orientation"], _AXES[np.argmax(along, axis=-1)])
 
 
-def wanted_orientation(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the orientation ``(..., 4)`` of a hand at a face. A hand that cannot turn keeps its orientation.
-
-    The hand turns by the smallest angle that makes its axis parallel to `wanted_axis`, so it does not turn about its
-    own axis. The angle is at most 90 degrees.
-    """
-    if not can_turn(hand):
-        return state[hand, "orientation"]
-    present, wanted = z_axis(state, hand), wanted_axis(state, hand, thing, face)
-    # The half-way quaternion of the two unit vectors. Its scalar part is at least 1, so it never vanishes.
-    turn = normalized(np.concatenate([cross(present, wanted), 1.0 + dot(present, wanted)[..., None]], axis=-1))
-    return quaternion_multiply(turn, state[hand, "orientation"])
-
-
-def off_axis(state: State, hand: Token, thing: Token, face: str) -> FloatArray:
-    """Return the angle ``(...)`` [rad] between a hand that can turn and its `wanted_axis` at a face."""
-    present, wanted = z_axis(state, hand), wanted_axis(state, hand, thing, face)
-    return np.arctan2(norm(cross(present, wanted)), dot(present, wanted))
+ALIGNMENT = Alignment(_line_beside, float(np.radians(6.0)))
+"""How a hand lies at a face of a box: level, and parallel to the face."""

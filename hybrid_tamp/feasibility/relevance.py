@@ -13,6 +13,7 @@ from itertools import product
 from hybrid_tamp.model.affordance import TOKEN, ObjectClass
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
+from hybrid_tamp.model.making_way import makes_way
 from hybrid_tamp.model.network import SlotName
 from hybrid_tamp.model.predicate import Literal, SymbolSort
 from hybrid_tamp.model.task import Task
@@ -97,8 +98,11 @@ def _with_serving(domain: Domain, kept: Set[str], wanted: Set[Pattern]) -> set[s
 def _serves(domain: Domain, block: Block, wanted: Collection[Pattern]) -> bool:
     """Say whether a block may change an atom that matches one of the patterns.
 
-    Two patterns match if, for each argument, one token can belong to the classes of both patterns.
+    Two patterns match if, for each argument, one token can belong to the classes of both patterns. A block that only
+    moves a token along a path brings the token from rest to rest, so it changes no atom.
     """
+    if makes_way(block):
+        return False
 
     def can_be_one(one: Classes, other: Classes) -> bool:
         return all(domain.relations.can_share_token(a, b) for a, b in product(one, other))

@@ -11,6 +11,8 @@ _ROUNDING = 0.05
 """Largest length of a leg that a rounded corner replaces [m]."""
 CORNER_SAMPLES = 8
 """Number of points that replace an inner corner."""
+_TURNING = 0.3
+"""Length [m] that counts for each radian of a turn. A body moves slowly while it turns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +36,27 @@ class Curve:
         """Return the curve along polylines ``(..., c, 3)`` [m] without turns. Inner corners are rounded."""
         points = round_corners(corners)
         steps = np.linalg.norm(np.diff(points, axis=-2), axis=-1)
-        arcs = np.concatenate([np.zeros((*steps.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
-        return cls(points, arcs, np.ones_like(steps), np.zeros((*steps.shape[:-1], 2)))
+        return cls(points, _arcs(steps), np.ones_like(steps), np.zeros((*steps.shape[:-1], 2)))
+
+    def turning_within(self, angle: FloatArray, corners: FloatArray | int) -> "Curve":
+        """Return the same curve for a body that turns between the second corner and the last but one.
+
+        Args:
+            angle: angle of the turn ``(...)`` [rad].
+            corners: number of corners of the polyline ``(...)``, at least 4. The last corner may be repeated further.
+        """
+        steps, index = np.diff(self.arcs, axis=-1), np.arange(self.arcs.shape[-1] - 1)
+        # The samples from the end of the rounded second corner to the start of the rounded last corner but one.
+        last = 1 + CORNER_SAMPLES * (np.asarray(corners)[..., None] - 3)
+        within = (index >= CORNER_SAMPLES) & (index < last) & (np.asarray(angle)[..., None] > 0.0)
+        # A body that does not move between the two corners turns on the spot.
+        moved = np.where(within, steps + 1e-6, 0.0)
+        share = moved / np.maximum(moved.sum(axis=-1, keepdims=True), 1e-6)
+        longer = steps + _TURNING * np.asarray(angle)[..., None] * share
+        begin = np.where(index < CORNER_SAMPLES, steps, 0.0).sum(axis=-1)
+        turning = np.stack([begin, begin + np.where(within, longer, 0.0).sum(axis=-1)], axis=-1)
+        paces = np.where(within, steps / np.maximum(longer, 1e-12), 1.0)
+        return Curve(self.points, _arcs(longer), paces, turning)
 
     @property
     def length(self) -> FloatArray:
@@ -76,6 +97,11 @@ def round_corners(corners: FloatArray) -> FloatArray:
         out = _shortened(corners[..., index + 1 : index + 2, :] - corner)
         pieces.append(corner + into * (1.0 - part) ** 2 + out * part**2)
     return np.concatenate([*pieces, corners[..., -1:, :]], axis=-2)
+
+
+def _arcs(steps: FloatArray) -> FloatArray:
+    """Return the lengths ``(..., p)`` [m] from the start of a curve to its points, for the lengths of its parts."""
+    return np.concatenate([np.zeros((*steps.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
 
 
 def _shortened(leg: FloatArray) -> FloatArray:

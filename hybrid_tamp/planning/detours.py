@@ -2,7 +2,8 @@
 
 A path leads the token in the slot `Block.path` from the start to the end of its movement. All bodies that the instance
 moves are carried along without turning. If the instance turns them, each orientation at some phases of the movement
-must be free at every position, which excludes some paths that exist. The forward models check the path afterwards.
+must be free at every position, which excludes some paths that exist. If there is no room for the turn at an end of the
+path, the bodies turn elsewhere (`turning_paths`). The forward models check the path afterwards.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,7 +18,8 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.paths.free_space import Carried, FreeSpace, Obstacle
 from hybrid_tamp.paths.search import find_path
-from hybrid_tamp.planning.clearance import Sweep
+from hybrid_tamp.planning.clearance import Neighbour, Sweep
+from hybrid_tamp.planning.turning_paths import find_turning_path
 
 CLEARANCE = 0.02
 """Distance that a path keeps from other bodies [m], as an allowance for servo errors and rounded corners."""
@@ -51,33 +53,37 @@ def find_detour(task: Task, movement: Sweep, seed: int) -> FloatArray | None:
     start, goal = lead.positions[0], lead.positions[-1]
     obstacles = list(_obstacles(movement, lead))
     admits = _admits(task, movement, leader)
-    for carried in _carried(movement, lead):
-        space = FreeSpace(carried, obstacles, admits, _MOST_CHECKS)
-        path = find_path(space, start, goal, *_box(obstacles, start, goal), seed)
+    box = _box(obstacles, start, goal)
+
+    def space_of(*carried: Carried) -> FreeSpace:
+        return FreeSpace(carried, obstacles, admits, _MOST_CHECKS)
+
+    first, last = ([_carried_at(track, lead, phase) for track in movement.tracks] for phase in (0.0, np.inf))
+    turned = list(_turned(movement, lead))
+    if turned:
+        path = find_path(space_of(*first, *turned), start, goal, *box, seed)
+        if path is None:
+            ends = space_of(*first), space_of(*last)
+            path = find_turning_path(space_of(*first, *turned), ends, start, goal, box, seed)
         if path is not None:
             return path
-    return None
+    return find_path(space_of(*first), start, goal, *box, seed)
 
 
 def _carried_at(track: Track, lead: Track, phase: float) -> Carried:
-    """Return a body as it moves with the leader at a phase of the movement."""
+    """Return a body as it moves with the leader at a phase of the movement, at most that of its end."""
+    phase = min(phase, len(lead.positions) - 1.0)
     pose = track.at(phase)
     return Carried(track.body, pose.position - lead.at(phase).position, pose.orientation)
 
 
-def _carried(movement: Sweep, lead: Track) -> Iterator[list[Carried]]:
-    """Yield the bodies that move with the leader: first in all orientations of the movement, then in the first one."""
-    phases = np.linspace(0.0, len(lead.positions) - 1.0, _PHASES).tolist()
-    first = [_carried_at(track, lead, 0.0) for track in movement.tracks]
-    turned = [
-        each
-        for track in movement.tracks
-        for each in (_carried_at(track, lead, phase) for phase in phases[1:])
-        if not np.allclose(each.orientation, track.orientations[0], atol=_TURNED)
-    ]
-    if turned:
-        yield [*first, *turned]
-    yield first
+def _turned(movement: Sweep, lead: Track) -> Iterator[Carried]:
+    """Yield the bodies that move with the leader, at later phases at which they have turned."""
+    for track in movement.tracks:
+        for phase in np.linspace(0.0, len(lead.positions) - 1.0, _PHASES).tolist()[1:]:
+            carried = _carried_at(track, lead, phase)
+            if not np.allclose(carried.orientation, track.orientations[0], atol=_TURNED):
+                yield carried
 
 
 def _obstacles(movement: Sweep, lead: Track) -> Iterator[Obstacle]:
@@ -89,9 +95,16 @@ def _obstacles(movement: Sweep, lead: Track) -> Iterator[Obstacle]:
             for track in movement.tracks
             for phase in (0.0, len(lead.positions) - 1.0)
         ]
-        # A path that came nearer than `Neighbour.kept` would be refused, unless its ends are as near.
-        margin = max(min(ends) - _CLOSER, min(each.kept, min(ends) - _ROUNDING))
-        yield Obstacle(each.body, each.pose, min(CLEARANCE, margin))
+        yield obstacle_near(each, min(ends))
+
+
+def obstacle_near(each: Neighbour, distance: float) -> Obstacle:
+    """Return a body at rest as an obstacle of a path, of which one end is at a distance from the body [m].
+
+    A path that came nearer than `Neighbour.kept` would be refused, unless its end is as near.
+    """
+    margin = max(distance - _CLOSER, min(each.kept, distance - _ROUNDING))
+    return Obstacle(each.body, each.pose, min(CLEARANCE, margin))
 
 
 def _admits(task: Task, movement: Sweep, leader: str) -> Callable[[FloatArray], FloatArray]:

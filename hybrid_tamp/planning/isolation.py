@@ -65,7 +65,8 @@ def run_isolated(function: Callable[[Note], _Result], deadline: Deadline, most: 
     sender.close()
     try:
         with receiver:
-            return _receive(child, receiver, deadline, most)
+            result: _Result = _receive(child, receiver, deadline, most)
+            return result
     finally:
         child.kill()
         child.join()
@@ -78,7 +79,7 @@ def _work(function: Callable[[Note], Any], sender: Connection, most: int) -> Non
     resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
     try:
         sender.send(("returned", function(lambda words: sender.send(("note", words)))))
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001  The calling process raises it again.
         sender.send(("raised", error))
 
 

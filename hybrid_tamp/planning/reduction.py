@@ -14,6 +14,7 @@ from hybrid_tamp.feasibility.relevance import restrict_domain
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.domain import Domain
 from hybrid_tamp.model.expectation import expect
+from hybrid_tamp.model.making_way import makes_way
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.predicate import ANY
 from hybrid_tamp.model.task import Task
@@ -99,6 +100,7 @@ class Reducer:
 
         The present tokens are needed tokens, capable tokens, places and the added tools. A block is kept if:
 
+        - the block does more than move a single token along a path (`makes_way`),
         - the present tokens can fill its slots and targets,
         - edges lead into all of its slots,
         - edges lead out of all of its slots, or the block has ``hold``, and
@@ -114,11 +116,12 @@ class Reducer:
         present = self.needed | self.capable | self._places
         tokens = [token for token in self._task.tokens if token.name in present]
         members = Members([*tokens, *(self._task.token_by_name[name] for name in brought)])
-        fillable = [block for block in (domain.blocks if among is None else among) if members.can_fill(block)]
-        blocks = _keep_passable(domain, fillable, {domain.resting, *self._begun.values()})
-        able = {block.name: members.names(block) for block in blocks if block.name != domain.resting}
+        blocks = domain.blocks if among is None else among
+        fillable = [block for block in blocks if not makes_way(block) and members.can_fill(block)]
+        passable = _keep_passable(domain, fillable, {domain.resting, *self._begun.values()})
+        able = {block.name: members.names(block) for block in passable if block.name != domain.resting}
         related = self._relate(able)
-        kept = [block for block in blocks if block.name in related or block.name not in able]
+        kept = [block for block in passable if block.name in related or block.name not in able]
         names = self.needed.union(*(able[name] for name in related))
         return Reduction(self._task, tuple(brought), names, tuple(kept), tuple(fillable))
 

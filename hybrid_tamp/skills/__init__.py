@@ -5,9 +5,9 @@ This module only re-exports names. A domain imports skills from `hybrid_tamp.ski
 """
 
 from hybrid_tamp.model.extents import extent as extent
-from hybrid_tamp.motion.curves import CORNER_SAMPLES as CORNER_SAMPLES
 from hybrid_tamp.motion.curves import Curve as Curve
-from hybrid_tamp.motion.curves import round_corners as round_corners
+from hybrid_tamp.skills.alignment import Alignment as Alignment
+from hybrid_tamp.skills.alignment import turn_along as turn_along
 from hybrid_tamp.skills.assembly import derive_edges as derive_edges
 from hybrid_tamp.skills.assembly import find_classes as find_classes
 from hybrid_tamp.skills.assembly import find_predicates as find_predicates
@@ -167,3 +167,5 @@ from hybrid_tamp.skills.vectors import stop_at_face as stop_at_face
 from hybrid_tamp.skills.vectors import to_body as to_body
 from hybrid_tamp.skills.vectors import unit as unit
 from hybrid_tamp.skills.vectors import z_axis as z_axis
+from hybrid_tamp.skills.withdrawing import GIVING_WAY as GIVING_WAY
+from hybrid_tamp.skills.withdrawing import WITHDRAWING as WITHDRAWING

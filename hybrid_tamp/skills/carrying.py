@@ -174,7 +174,7 @@ def _follow(goal: Goal, role: str) -> PolicyMaker:
         if parameters.path is None:
             reach = reach_over(origin, place, duration)
         else:
-            reach, duration = follow_path(origin, parameters.path, place, duration)
+            reach, _, duration = follow_path(origin, parameters.path, place, duration)
         profile, turning = straight_profile(), _TURN[1] * duration
         from_yaw, from_lean = yaw(start, thing), lean(start, thing)
         yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi

@@ -15,6 +15,7 @@ from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.alignment import Alignment
 from hybrid_tamp.skills.classes import Region, StaticEndEffector
 from hybrid_tamp.skills.roles import POSE
 from hybrid_tamp.skills.vectors import depth_in_workspace, norm
@@ -75,23 +76,32 @@ def conditions(predicates: Iterable[Predicate], **roles: str) -> tuple[Literal, 
     return tuple(each(*(roles.get(p.name, p.name) for p in each.parameters)) for each in predicates)
 
 
-def near(tolerance: float, place: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+def near(
+    tolerance: float, place: Callable[..., FloatArray], alignment: Alignment | None = None
+) -> Callable[..., FloatArray]:
     """Return a margin [m] that is positive if a hand is close enough to a place.
 
     Args:
         tolerance: largest distance of the hand's centre from the place [m].
         place: ``place(state, hand, *values)`` returns the place ``(..., 3)`` [m] for the hand's centre.
+        alignment: how a hand that can turn must lie there. None if the orientation of the hand does not matter.
     """
 
     def margin(state: State, hand: Token, *values: Value) -> FloatArray:
         offset = state[hand, "position"] - place(state, hand, *values)
-        return np.asarray(tolerance - norm(offset))
+        depth = np.asarray(tolerance - norm(offset))
+        return depth if alignment is None else alignment.limit(depth, tolerance, state, hand, *values)
 
     return margin
 
 
 def at_place(
-    name: str, parameters: tuple[Parameter, ...], tolerance: float, place: Callable[..., FloatArray], **told: Any
+    name: str,
+    parameters: tuple[Parameter, ...],
+    tolerance: float,
+    place: Callable[..., FloatArray],
+    alignment: Alignment | None = None,
+    **told: Any,
 ) -> Predicate:
     """Return the maintained predicate that a hand is at its place beside an object.
 
@@ -100,11 +110,12 @@ def at_place(
         parameters: parameters of the predicate. The first two are the hand and the object.
         tolerance: largest distance of the hand's centre from the place [m].
         place: ``place(state, hand, *values)`` returns the place ``(..., 3)`` [m] for the hand's centre.
+        alignment: how a hand that can turn must lie there. None if the orientation of the hand does not matter.
         **told: further arguments of `Predicate`. By default, the margin reads the poses of hand and object.
     """
     reads = {parameter.name: POSE for parameter in parameters[:2]}
     return length_predicate(
-        name, parameters, near(tolerance, place), **{"reads": reads, "kind": Kind.MAINTAINED, **told}
+        name, parameters, near(tolerance, place, alignment), **{"reads": reads, "kind": Kind.MAINTAINED, **told}
     )
 
 

@@ -22,7 +22,7 @@ from hybrid_tamp.motion.poses import cross, rotate
 from hybrid_tamp.skills.classes import StaticEndEffector
 from hybrid_tamp.skills.faces import gap_to_face, normal
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
-from hybrid_tamp.skills.roles import BODY, MOTION
+from hybrid_tamp.skills.roles import BODY
 from hybrid_tamp.skills.servos import STIFFNESS, damping, driven_velocity
 from hybrid_tamp.skills.vectors import dot, stop_at_face
 
@@ -175,7 +175,6 @@ def make_pressing(
     always: Sequence[Predicate] = (IN_WORKSPACE,),
     invariants: tuple[Literal, ...] = (),
     contacts: Sequence[tuple[str, str]] = (("object", FLOOR),),
-    moved: tuple[str, ...] = MOTION,
     **told: Any,
 ) -> Block:
     """Return a block in which hands press on an object and move it. The slot of the object, `object`, is the anchor.
@@ -188,7 +187,6 @@ def make_pressing(
         always: predicates that must hold for each hand as long as the block runs.
         invariants: further conditions that must hold as long as the block runs.
         contacts: pairs of roles that may touch, in addition to each hand and the object.
-        moved: varying properties of each hand that the block changes.
         **told: further arguments of `Block`.
     """
     return Block(
@@ -197,7 +195,7 @@ def make_pressing(
         anchor="object",
         exit=(*exit, AT_REST("object"), *map(AT_REST, hands)),
         invariants=(*(predicate(hand) for hand in hands for predicate in always), *invariants),
-        writes={**dict.fromkeys(hands, moved), "object": BODY},
+        writes={**dict.fromkeys(hands, BODY), "object": BODY},
         allowed_contacts=(*((hand, "object") for hand in hands), *contacts),
         **told,
     )

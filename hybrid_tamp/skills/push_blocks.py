@@ -11,10 +11,11 @@ from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Parameter, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
+from hybrid_tamp.skills.alignment import Alignment
 from hybrid_tamp.skills.classes import Container, StaticEndEffector
 from hybrid_tamp.skills.facts import within_reach
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, at_place, physical_bound
-from hybrid_tamp.skills.pushing import Push
+from hybrid_tamp.skills.pushing import ALIGNED, Push
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
 from hybrid_tamp.skills.roles import BODY, MOTION, POSE, get_token
 
@@ -118,6 +119,7 @@ def _reach_behind(
     goal = ReachGoal(
         targets=targets,
         position=push.standby,
+        orientation=lambda binding, state: push.aligned(binding, state)[get_token(binding, "hand"), "orientation"],
         entry=(*facts, AT_REST("object")),
         arrived=(behind, IN_WORKSPACE("hand")),
         lasting=(AT_REST("object"), *lasting),
@@ -158,6 +160,7 @@ def _behind(push: Push, roles: _Roles) -> Predicate:
         roles.parameters,
         _TOLERANCE,
         lambda state, *values: push.standby(roles.bind(*values), state),
+        Alignment(lambda state, *values: push.across(roles.bind(*values), state), ALIGNED),
         reads=roles.reads(POSE),
         description="{hand} is behind {object}, ready to push it",
         denial="{hand} is not behind {object}",
@@ -191,7 +194,8 @@ def _room(push: Push, roles: _Roles) -> Predicate:
         "push_within_reach",
         roles.parameters,
         ends,
-        reads=roles.reads(("orientation",)),
+        # A hand that cannot turn keeps its orientation, and another hand lies across the line.
+        reads=roles.reads(()),
         description="{hand} stays in its workspace when it pushes {object}",
         denial="{hand} would leave its workspace when it pushes {object}",
     )

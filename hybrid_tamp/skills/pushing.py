@@ -17,6 +17,8 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import cross, integrate, rotate
+from hybrid_tamp.skills.alignment import Alignment
+from hybrid_tamp.skills.classes import can_turn
 from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.roles import get_token
 from hybrid_tamp.skills.servos import driven_velocity, keep_orientation, position_servo, turn_wrists
@@ -27,6 +29,8 @@ STANDOFF = 0.03
 """Gap between an object and a hand in its standby position [m]."""
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
+ALIGNED = float(np.radians(6.0))
+"""Largest angle between the axis of a hand that can turn and the horizontal across the push [rad]."""
 _SPEED_RATE = 200.0
 """Rate at which the hand's speed converges to the wanted speed [1/s]."""
 
@@ -52,6 +56,8 @@ class Resistance:
 class Push:
     """A straight push. All functions take a binding with the roles `hand` and `object`, and all but one a state.
 
+    A hand that can turn lies across the line of the push. Another hand pushes in its present orientation.
+
     Attributes:
         line: ``line(binding, state)`` returns the unit vector ``(..., 3)`` of the push, which is horizontal, and the
             distance ``(...)`` [m] of the push in this direction.
@@ -73,8 +79,21 @@ class Push:
     ground: Callable[[Binding, State], FloatArray] | None = None
     steered: bool = False
 
+    def aligned(self, binding: Binding, state: State) -> State:
+        """Return the state in which a hand that can turn is level and lies across the line of the push."""
+        hand = get_token(binding, "hand")
+        if not can_turn(hand):
+            return state
+        alignment = Alignment(lambda state, hand: self.across(binding, state), ALIGNED)
+        return state.replace({(hand.name, "orientation"): alignment.orientation(state, hand)})
+
+    def across(self, binding: Binding, state: State) -> FloatArray:
+        """Return the horizontal unit vector ``(..., 3)`` across the line of the push."""
+        return cross(UP, self.line(binding, state)[0])
+
     def standby(self, binding: Binding, state: State) -> FloatArray:
         """Return the position ``(..., 3)`` [m] of the hand's centre before the push, at a distance from the object."""
+        state = self.aligned(binding, state)
         direction, _ = self.line(binding, state)
         behind = self.touching(binding, state, direction) + STANDOFF
         place = self.beside(binding, state)
@@ -86,7 +105,7 @@ class Push:
         hand, thing = get_token(binding, "hand"), get_token(binding, "object")
         direction, _ = self.line(binding, start)
         origin = start[thing, "position"].copy()
-        axes = np.stack([direction, cross(UP, direction)], axis=-2)
+        axes = np.stack([direction, self.across(binding, start)], axis=-2)
         lies_across = np.abs(dot(rotate(start[hand, "orientation"], UP), axes[..., 1, :])) > _ACROSS
         height = None if self.ground is None else self.beside(binding, start)[..., 2]
         chosen, resistance = parameters.hyperparameters, self.resistance(binding)
@@ -120,7 +139,7 @@ class Push:
             follow = follow - dot(follow, direction)[..., None] * direction
             return {(hand.name, "force"): follow + push[..., None] * direction}
 
-        return turn_wrists(policy, {hand: keep_orientation(start[hand, "orientation"])})
+        return turn_wrists(policy, {hand: keep_orientation(self.aligned(binding, start)[hand, "orientation"])})
 
     def system(self, binding: Binding, start: State) -> ContinuousSystem:
         """Make the system of a hand that pushes an object along the line. The object does not bounce."""

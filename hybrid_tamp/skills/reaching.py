@@ -18,18 +18,23 @@ from hybrid_tamp.model.predicate import Binding, Literal, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.dmp import DMP
-from hybrid_tamp.skills.classes import StaticEndEffector
-from hybrid_tamp.skills.paths import follow_path
+from hybrid_tamp.motion.poses import quaternion_conjugate, quaternion_multiply, rotation_vector
+from hybrid_tamp.skills.alignment import turn_along
+from hybrid_tamp.skills.classes import StaticEndEffector, can_turn
+from hybrid_tamp.skills.paths import Share, follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
-from hybrid_tamp.skills.primitives import demonstrated_reach
+from hybrid_tamp.skills.primitives import advance, demonstrated_reach, straight_profile
 from hybrid_tamp.skills.roles import BODY, MOTION, get_token
-from hybrid_tamp.skills.servos import hand_servo
+from hybrid_tamp.skills.servos import hand_servo, turn_wrists
 from hybrid_tamp.skills.timetable import Timetable
+from hybrid_tamp.skills.vectors import norm
 
 _LIFT = 0.36
 """Height to which the demonstrated reach rises above its start and its goal [m]."""
 _MEAN_SPEED = 0.5
 _SETTLING = 0.15
+_TURNING = (0.25, 0.65)
+"""Fractions of the duration between which a hand turns. The demonstrated reach is then above its start and its goal."""
 
 
 @dataclass(frozen=True)
@@ -102,18 +107,30 @@ def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: Sta
     """Return the policy of a hand that follows a planned path or the movement of the primitive to the goal."""
     hand = get_token(binding, "hand")
     origin, end = start[hand, "position"], goal.position(binding, start)
+    begun = start[hand, "orientation"]
+    turned = begun if goal.orientation is None else goal.orientation(binding, start)
     duration = parameters.hyperparameters["duration"]
     if parameters.path is None:
         movement = (primitive or demonstrated_reach()).trajectory(origin, end, duration)
         timetable = Timetable(lambda elapsed: movement.at(elapsed)[:2], start)
+        share: Share = partial(_turned, duration)
     else:
-        timetable = Timetable(follow_path(origin, parameters.path, end, duration)[0], start)
+        turn = norm(rotation_vector(quaternion_multiply(turned, quaternion_conjugate(begun))))
+        angle = turn if can_turn(hand) else np.zeros_like(turn)
+        follow, share, _ = follow_path(origin, parameters.path, end, duration, angle)
+        timetable = Timetable(follow, start)
     servo = hand_servo(hand, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         return servo(state, *timetable(elapsed))
 
-    return policy
+    return policy if goal.orientation is None else turn_wrists(policy, {hand: turn_along(begun, turned, share)})
+
+
+def _turned(duration: FloatArray, elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the share of the turn that a hand has made without a path, and the rate of this share [1/s]."""
+    begin, end = _TURNING
+    return advance(straight_profile(), elapsed - begin * duration, (end - begin) * duration)
 
 
 def make_reaching(

@@ -38,7 +38,7 @@ def test_the_command_writes_a_drawing_and_names_its_file(command: Command, tmp_p
 def test_a_reduced_network_has_the_blocks_that_the_task_needs() -> None:
     blocks = [block.name for block in network("roll_cylinder", reduced=True).blocks]
     assert blocks == ["REACHING:behind", "ROLLING", "RESTING"]
-    assert len(network("roll_cylinder").blocks) == 9
+    assert len(network("roll_cylinder").blocks) == 10
 
 
 def test_a_tool_without_which_no_block_achieves_the_goal_is_in_the_reduced_network() -> None:

@@ -8,7 +8,7 @@ from hybrid_tamp_domains.rolling_tumbling.detours import route_to_face
 from hybrid_tamp_domains.rolling_tumbling.faces import EXPOSED_HOLD, FACE
 from hybrid_tamp_domains.rolling_tumbling.metrics import CONTROLLED
 from hybrid_tamp_domains.rolling_tumbling.tumbling_geometry import place_at
-from hybrid_tamp_domains.rolling_tumbling.turning_hands import off_axis, wanted_axis, wanted_orientation
+from hybrid_tamp_domains.rolling_tumbling.turning_hands import ALIGNMENT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_tasks.turned import BOX, YAWS, random_turned, stiff_turned, yaw_of
@@ -54,13 +54,13 @@ def test_a_hand_turns_by_the_smallest_angle_until_it_is_level_and_parallel_to_it
     place: tuple[float, ...], orientation: tuple[float, ...], face: str
 ) -> None:
     state, (hand, _, box) = moved(TASK, place, orientation), TASK.tokens
-    wanted = wanted_orientation(state, hand, box, face)
+    wanted = ALIGNMENT.orientation(state, hand, box, face)
     axis = rotate(wanted, UP)
     assert abs(axis[2]) < 1e-9
     assert abs(axis @ normal(state, box, face)) < 1e-9
     turn = rotation_vector(quaternion_multiply(wanted, state[hand, "orientation"] * (-1.0, -1.0, -1.0, 1.0)))
     assert np.linalg.norm(turn) <= np.pi / 2 + 1e-9
-    assert np.linalg.norm(turn) == pytest.approx(float(off_axis(state, hand, box, face)), abs=1e-7)
+    assert np.linalg.norm(turn) == pytest.approx(float(ALIGNMENT.angle(state, hand, box, face)), abs=1e-7)
     assert turn @ z_axis(state, hand) == pytest.approx(0.0, abs=1e-9)  # The hand does not turn about its own axis.
 
 
@@ -70,8 +70,8 @@ def test_what_a_hand_wants_turns_with_the_scene(
 ) -> None:
     before, (hand, _, box) = moved(TASK, place, orientation), TASK.tokens
     after, turn = turned(before, angle), quaternion_from_axis_angle(UP, np.asarray(angle))
-    there = wanted_axis(after, hand, box, face)
-    assert abs(there @ rotate(turn, wanted_axis(before, hand, box, face))) == pytest.approx(1.0)
+    there = ALIGNMENT.direction(after, hand, box, face)
+    assert abs(there @ rotate(turn, ALIGNMENT.direction(before, hand, box, face))) == pytest.approx(1.0)
     assert np.allclose(place_at(after, hand, box, face), rotate(turn, place_at(before, hand, box, face)))
 
 

@@ -8,7 +8,7 @@ from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.network import SlotName
 from oracle.world import Ends, Ids, Started, World
 
-FREE = frozenset({"RESTING", "REACHING", "GRASPING", "CARRYING", "RELEASING", "TILTING", "HOLDING"})
+FREE = frozenset({"RESTING", "REACHING", "GRASPING", "CARRYING", "RELEASING", "TILTING", "HOLDING", "WITHDRAWING"})
 """Actions that prepare a movement and are not counted as movements."""
 _WAITING = ("RESTING", "REACHING")
 """Actions in which the place of a hand is determined by the target or has no consequences."""

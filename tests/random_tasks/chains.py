@@ -42,8 +42,8 @@ def chain_rolls(seed: int) -> Task:
 def relay_rolls(seed: int) -> Task:
     """Return a task in which two hands roll a drum in turn, by 0.9 to 1.2 m along x or y.
 
-    Both hands push from the same side. The second hand moves to the place where the first hand stays, so the two hands
-    collide in a run, because the planner does not avoid other hands.
+    Both hands push from the same side. The second hand must go where the first hand stays, so the first hand must give
+    way.
     """
     rng = np.random.default_rng(seed)
     drum, given = random_drum(rng, "drum"), Given()

@@ -56,23 +56,35 @@ def random_turned(seed: int) -> Task:
     return _make_task(f"turned_{seed}", seed, (*hands, thing), given, "right")
 
 
-def random_lift_around(seed: int) -> Task:
-    """Return a task of lifting in which the box has any yaw, and two upright hands start anywhere within 0.8 m.
+def random_lift_around(seed: int, hands: int = 2, upright: bool = True) -> Task:
+    """Return a task of lifting in which the box has any yaw, and the hands start anywhere within 0.8 m.
 
-    The hands start clear of the box and of each other. For odd seeds, both hands start on the same side.
+    The hands start clear of the box and of each other, beside the box or above it. For odd seeds, all hands start on
+    the same side.
+
+    Args:
+        seed: seed of the task.
+        hands: number of hands, two or four.
+        upright: whether the hands are upright and cannot turn. Otherwise, they start in any orientation and can turn.
     """
-    task, rng = random_lifting(seed), np.random.default_rng([seed, 5])
+    task, rng = random_lifting(seed, hands), np.random.default_rng([seed, 5])
     thing = task.token_by_name["box"]
     centre, turn = task.state[thing, "position"], quaternion_from_rpy(np.array([0.0, 0.0, rng.uniform(-np.pi, np.pi)]))
     side = float(rng.choice([-1.0, 1.0])) if seed % 2 else 0.0
     changes: dict[tuple[str, str], ArrayLike] = {(thing.name, "orientation"): turn}
     taken: list[FloatArray] = []
-    for hand in task.tokens:
-        if hand is not thing:
-            place, _ = _draw_start(rng, thing, centre, turn, side, taken, upright=True)
-            changes[hand.name, "position"] = place
-            taken.append(place)
-    return task.replaced(name=f"lift_around_{seed}", state=task.state.replace(changes))
+    ends = [token for token in task.tokens if token is not thing]
+    for end in ends:
+        place, orientation = _draw_start(rng, thing, centre, turn, side, taken, upright)
+        changes[end.name, "position"], changes[end.name, "orientation"] = place, orientation
+        taken.append(place)
+    name, state = f"lift_{'around' if upright else 'any'}_{seed}", task.state.replace(changes)
+    if upright:
+        return task.replaced(name=name, state=state)
+    able = (Token.make(end.name, [TurningEndEffector], {**end.properties, **_WRIST}) for end in ends)
+    tokens = (*able, thing)
+    given = {(each.name, key): state[each.name, key] for each in tokens for key in ("position", "orientation")}
+    return task.replaced(name=name, tokens=tokens, state=State.of(tokens, given))
 
 
 def stiff_turned(seed: int) -> Task:

@@ -48,6 +48,7 @@ def test_a_block_is_one_action_unless_tokens_may_come_along_or_not() -> None:
         ("TIPPING:lower", []),
         ("TIPPING:lower", ["first"]),
         ("TIPPING:opposite", []),
+        ("WITHDRAWING", []),
     ]
 
 

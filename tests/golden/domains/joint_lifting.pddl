@@ -11,12 +11,14 @@
 ;   right-front is 'right front'
 ;   static-end-effector is 'STATIC END-EFFECTOR'
 ;   token is 'TOKEN'
+;   turning-end-effector is 'TURNING END-EFFECTOR'
 ;   two-hands is 'two hands'
 (define (domain joint_lifting)
   (:requirements :strips :typing)
   (:types
     token region place crew how-many - object
     static-end-effector liftable - token
+    turning-end-effector - static-end-effector
   )
   (:constants
     left right left-front left-back right-front right-back - place
@@ -220,6 +222,7 @@
     (leaving-lowering-four-first-third-fourth ?anchor - liftable)
     (leaving-lowering-four-second-third-fourth ?anchor - liftable)
     (leaving-lowering-four-first-second-third-fourth ?anchor - liftable)
+    (in-withdrawing ?anchor - static-end-effector)
     (in-resting ?anchor - token)
   )
   (:action fill-lowering-four-first-from-carrying-four-first
@@ -4976,6 +4979,31 @@
       (at_place ?hand ?object ?place)
       (at_rest ?hand)
       (readers ?object ?readers-2)
+    )
+  )
+  (:action begin-withdrawing-from-resting
+    :parameters (?hand - static-end-effector)
+    :precondition (and
+      (idle)
+      (in-resting ?hand)
+    )
+    :effect (and
+      (not (in-resting ?hand))
+      (in-withdrawing ?hand)
+      (at_rest ?hand)
+    )
+  )
+  (:action begin-resting-from-withdrawing
+    :parameters (?token - static-end-effector)
+    :precondition (and
+      (idle)
+      (in-withdrawing ?token)
+      (unclaimed ?token)
+      (at_rest ?token)
+    )
+    :effect (and
+      (not (in-withdrawing ?token))
+      (in-resting ?token)
     )
   )
 )

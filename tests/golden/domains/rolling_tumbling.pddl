@@ -150,6 +150,7 @@
     (full-rolling-hand ?anchor - token)
     (for-rolling-region ?anchor - token ?target - region)
     (leaving-rolling-hand ?anchor - token)
+    (in-withdrawing ?anchor - static-end-effector)
     (in-resting ?anchor - token)
   )
   (:action begin-resting-from-reaching-away
@@ -527,6 +528,18 @@
       (in-tipping-opposite ?object)
       (posture ?object ?outcome)
       (at_rest ?object)
+    )
+  )
+  (:action begin-withdrawing-from-resting
+    :parameters (?hand - static-end-effector)
+    :precondition (and
+      (idle)
+      (in-resting ?hand)
+    )
+    :effect (and
+      (not (in-resting ?hand))
+      (in-withdrawing ?hand)
+      (at_rest ?hand)
     )
   )
   (:action leave-rolling-hand-to-reaching-behind
@@ -1270,6 +1283,19 @@
       (at_rest ?hand)
       (in-tilting-hand ?hand ?object ?face)
       (for-tilting-face ?object ?face)
+    )
+  )
+  (:action begin-resting-from-withdrawing
+    :parameters (?token - static-end-effector)
+    :precondition (and
+      (idle)
+      (in-withdrawing ?token)
+      (unclaimed ?token)
+      (at_rest ?token)
+    )
+    :effect (and
+      (not (in-withdrawing ?token))
+      (in-resting ?token)
     )
   )
 )

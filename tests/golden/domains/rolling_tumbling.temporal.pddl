@@ -52,7 +52,7 @@
     flat-left flat-right flat-front flat-back flat-bottom flat-top over-left-front over-left-back over-left-bottom over-left-top over-right-front over-right-back over-right-bottom over-right-top over-front-left over-front-right over-front-bottom over-front-top over-back-left over-back-right over-back-bottom over-back-top over-bottom-left over-bottom-right over-bottom-front over-bottom-back over-top-left over-top-right over-top-front over-top-back no-posture-of-posture - posture-of-a-box
     no-region-of-inside no-region-of-behind - region
     nobody no-object-of-behind no-object-of-at_face - token
-    reaching-behind-hand reaching-beside-hand reaching-away-hand tipping-opposite-first tipping-opposite-second tipping-opposite-object tipping-lower-first tipping-lower-second tipping-lower-object tipping-adjacent-first tipping-adjacent-second tipping-adjacent-object tilting-hand tilting-object rolling-hand rolling-object resting-token - slot
+    reaching-behind-hand reaching-beside-hand reaching-away-hand tipping-opposite-first tipping-opposite-second tipping-opposite-object tipping-lower-first tipping-lower-second tipping-lower-object tipping-adjacent-first tipping-adjacent-second tipping-adjacent-object tilting-hand tilting-object rolling-hand rolling-object withdrawing-hand resting-token - slot
   )
   (:predicates
     (rollable ?thing - token)
@@ -110,6 +110,7 @@
     (lasts-tipping-adjacent ?first - static-end-effector ?second - static-end-effector ?object - token ?near - face ?far - face ?before - posture-of-a-box ?outcome - posture-of-a-box)
     (lasts-tilting ?hand - static-end-effector ?object - token ?face - face ?posture - posture-of-a-box)
     (lasts-rolling ?hand - static-end-effector ?object - token ?region - region)
+    (lasts-withdrawing ?hand - static-end-effector)
     (lasts-resting ?token - token)
   )
   (:durative-action run-reaching-behind
@@ -560,6 +561,20 @@
       (at end (in_workspace ?hand))
       (at start (decrease (readers ?object) 1))
       (at start (increase (crew ?object) 1))
+    )
+  )
+  (:durative-action run-withdrawing
+    :parameters (?hand - static-end-effector)
+    :duration (= ?duration (lasts-withdrawing ?hand))
+    :condition (and
+      (over all (in_workspace ?hand))
+      (at start (place ?hand resting-token))
+      (over all (place ?hand resting-token))
+    )
+    :effect (and
+      (at end (not (place ?hand resting-token)))
+      (at end (place ?hand withdrawing-hand))
+      (at end (at_rest ?hand))
     )
   )
   (:durative-action run-resting
