@@ -15,6 +15,7 @@ If neither decides, the scene is grey.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import permutations
 from typing import Literal
 
@@ -45,12 +46,12 @@ class Scene:
     task: Task
     generous: bool
 
-    @property
+    @cached_property
     def room(self) -> Room:
         """All fixed bodies."""
         return self._room(lambda token: True)
 
-    @property
+    @cached_property
     def obstacles(self) -> Room:
         """All fixed bodies except the table on which things are."""
         return self._room(lambda token: token.name != TABLE)
@@ -79,7 +80,7 @@ class Scene:
     def lands(self, middle: Floats, corners: Floats) -> bool:
         """Return whether a thing can rest at a place: all corners, shape ``(n, 3)``, or generously its middle."""
         points = middle[None] if self.generous else corners
-        return all(self.depth_on_table(point) > -SLACK for point in points)
+        return all(self.depth_on_table(point) > (-SLACK if self.generous else 0.0) for point in points)
 
     def reach(self, hand: Token, goals: list[Floats], thing: Part | None = None) -> list[bool]:
         """Return for each place whether a hand can move there from its start."""
