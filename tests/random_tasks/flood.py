@@ -1,93 +1,68 @@
-"""Whether a drum can be rolled among fixed boxes, decided by samples and a flooded grid.
+"""Floods of a grid: whether a body that keeps its orientation can move from one place to others among walls."""
 
-This oracle shares no code with the planner's comparison of movements: it has its own distances of points from boxes.
-"""
+from collections.abc import Sequence
 
 import numpy as np
 
-from hybrid_tamp.geometry.shapes import Box, Cylinder
-from hybrid_tamp.model.task import Task
-from hybrid_tamp.motion.poses import quaternion_conjugate, rotate
+from random_tasks.upright import Floats, Part, Room
 
-_CELL = 0.02
+CELL = 0.025
 """Edge of the cells of the grid [m]."""
-_ROOM = 0.4
-"""Room around everything [m]."""
-_GAP = 0.005
-"""Gap between a hand and the drum before a roll [m]."""
+_ROOM = 0.3
+"""Room around all walls and places [m]."""
+_NEAR = 1.5
+"""Largest distance of a place from the cells that it may use, in cells."""
 
 
-def find_obstruction(task: Task) -> str:
-    """Return what makes the roll impossible, or an empty text.
+def flood(
+    room: Room,
+    body: tuple[Part, ...],
+    start: Floats,
+    goals: Sequence[Floats],
+    limits: tuple[Floats, Floats],
+    generous: bool = False,
+) -> list[bool]:
+    """Return for each goal whether the body can move there from its start.
 
-    The task is one of `random_rolling` with obstacles. The drum rolls straight to the region, and the hand stays behind
-    the drum. The hand is an upright cylinder. The grid is flooded with the sphere that the hand contains, so an empty
-    text may be too optimistic.
+    Args:
+        room: the walls.
+        body: parts of the moving body.
+        start: position of the body at the start [m], shape ``(3,)``.
+        goals: positions of the body [m], each of shape ``(3,)``.
+        limits: smallest and largest coordinates of the position [m].
+        generous: whether a cell is open if the body may be free anywhere in the cell. Then a goal that is not reached
+            is certainly not connected. Otherwise, a cell is open if the body is free in its middle.
     """
-    hand, drum = task.token_by_name["hand"], task.token_by_name["cylinder"]
-    assert isinstance(hand.shape, Cylinder)
-    assert isinstance(drum.shape, Cylinder)
-    start, end = task.state["cylinder", "position"], task.state["goal", "position"]
-    way = (end - start) * np.array([1.0, 1.0, 0.0])
-    length = float(np.linalg.norm(way))
-    ahead = way / length
-    rolled = np.linspace(0.0, 1.0, int(length / 0.005) + 2)[:, None] * way
-    if _touches(task, _cylinder_points(drum.shape, task.state["cylinder", "orientation"]) + start, rolled):
-        return "drum"
-    behind = start - ahead * (drum.shape.radius + hand.shape.radius + _GAP)
-    if _touches(task, _cylinder_points(hand.shape, np.array([0.0, 0.0, 0.0, 1.0])) + behind, rolled):
-        return "hand behind the drum"
-    connected = _flood(task, task.state["hand", "position"], behind, hand.shape.radius)
-    return "" if connected else "way of the hand"
+    from scipy import ndimage
+
+    axes = _axes(room, [start, *goals], limits)
+    gaps = room.gaps(body, axes[0][:, None, None], axes[1][None, :, None], axes[2][None, None, :])
+    least = -CELL * np.sqrt(3.0) / 2.0 if generous else 0.0
+    joined = np.ones((3, 3, 3)) if generous else None
+    labels, _ = ndimage.label(gaps > least, structure=joined)
+    begun = _labels(labels, axes, start)
+    return [bool(begun & _labels(labels, axes, goal)) for goal in goals]
 
 
-def _walls(task: Task) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Return position, orientation and half extents of each fixed box."""
+def _axes(room: Room, places: Sequence[Floats], limits: tuple[Floats, Floats]) -> list[Floats]:
+    """Return the coordinates of the cells along each axis [m]. Beyond them, nothing is in the way."""
+    around = [
+        (wall.centre + sign * np.array([reach, reach, wall.halves[2]]))
+        for wall in room.walls
+        for sign in (-1.0, 1.0)
+        for reach in [float(np.hypot(*wall.halves[:2]))]
+    ]
+    corners = np.array([*places, *around])
+    lower = np.maximum(corners.min(axis=0) - _ROOM, limits[0])
+    upper = np.minimum(corners.max(axis=0) + _ROOM, limits[1])
     return [
-        (task.state[token, "position"], task.state[token, "orientation"], np.array(token.shape.half_extents))
-        for token in task.tokens
-        if token.immovable and isinstance(token.shape, Box)
+        low + CELL * np.arange(max(1, int((high - low) / CELL) + 1)) for low, high in zip(lower, upper, strict=True)
     ]
 
 
-def _cylinder_points(shape: Cylinder, orientation: np.ndarray) -> np.ndarray:
-    """Return points of a cylinder about 1 cm apart, shape ``(n, 3)`` [m]."""
-    radii = np.linspace(0.0, shape.radius, int(shape.radius / 0.01) + 2)
-    angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-    heights = np.linspace(-shape.length / 2, shape.length / 2, int(shape.length / 0.01) + 2)
-    r, a, h = np.meshgrid(radii, angles, heights, indexing="ij")
-    points = np.stack([r * np.cos(a), r * np.sin(a), h], axis=-1).reshape(-1, 3)
-    return rotate(orientation, np.unique(points.round(6), axis=0))
-
-
-def _touches(task: Task, points: np.ndarray, moves: np.ndarray) -> bool:
-    """Return whether points ``(n, 3)`` come into a wall during displacements ``(k, 3)``."""
-    for place, turn, half in _walls(task):
-        inverse = quaternion_conjugate(turn)
-        mine, way = rotate(inverse, points - place), rotate(inverse, moves)
-        if any((np.abs(mine + step) < half).all(axis=-1).any() for step in way):
-            return True
-    return False
-
-
-def _flood(task: Task, start: np.ndarray, goal: np.ndarray, radius: float) -> bool:
-    """Return whether a sphere can move from start to goal among the walls, on a grid above the floor."""
-    from scipy import ndimage
-
-    walls = _walls(task)
-    reach = [(place - np.linalg.norm(half), place + np.linalg.norm(half)) for place, _, half in walls]
-    corners = np.array([start, goal, *(corner for pair in reach for corner in pair)])
-    lower, upper = corners.min(axis=0) - _ROOM, corners.max(axis=0) + _ROOM
-    lower[2] = radius
-    shape = np.ceil((upper - lower) / _CELL).astype(int) + 1
-    axes = [low + _CELL * np.arange(count) for low, count in zip(lower, shape, strict=True)]
-    cells = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    free = np.ones(cells.shape[:3], dtype=bool)
-    for place, turn, half in walls:
-        mine = np.abs(rotate(quaternion_conjugate(turn), cells - place))
-        free &= np.linalg.norm(np.maximum(mine - half, 0.0), axis=-1) > radius
-    labels, _ = ndimage.label(free, structure=np.ones((3, 3, 3)))
-    one, other = (
-        labels[tuple(np.clip(((p - lower) / _CELL).round().astype(int), 0, shape - 1))] for p in (start, goal)
+def _labels(labels: np.ndarray, axes: list[Floats], place: Floats) -> set[int]:
+    """Return the labels of the open cells near a place."""
+    near = np.ix_(
+        *(np.flatnonzero(np.abs(axis - value) <= _NEAR * CELL) for axis, value in zip(axes, place, strict=True))
     )
-    return bool(one and one == other)
+    return {int(label) for label in np.unique(labels[near])} - {0}
