@@ -43,8 +43,8 @@ def curve_through(start: State, make: Callable[[State], Route]) -> Curve:
         curve = curve.turning_within(angles, np.array([len(route.corners) for route in routes]))
     batch = start.values.shape[:-1]
     shapes = ((-1, 3), (-1,), (-1,), (2,))
-    parts = (curve.points, curve.arcs, curve.paces, curve.turning)
-    return Curve(*(part.reshape(*batch, *shape) for part, shape in zip(parts, shapes, strict=True)))
+    arrays = (curve.points, curve.arcs, curve.paces, curve.turning)
+    return Curve(*(array.reshape(*batch, *shape) for array, shape in zip(arrays, shapes, strict=True)))
 
 
 def _padded(corners: list[FloatArray], count: int) -> FloatArray:
