@@ -14,6 +14,8 @@ CLEAR = "clear"
 
 Its margin is the least distance during the movement minus the distance to keep (`Limits.clearance`).
 """
+CHECKED = "checked"
+"""Name of the condition that the libraries for distances and paths could check a movement."""
 ON_TOP = "on_top"
 """Name of the condition that a body which moves along the top of a table stays on this table."""
 
@@ -106,6 +108,8 @@ class Shortfall:
         if self.atom.predicate == CLEAR:
             hit = f"{self._hit}{where}"
             return f"{hit}, {self.remark}" if self.remark else hit
+        if self.atom.predicate == CHECKED:
+            return f"{self.where} could not be checked: {self.remark}"
         if self.atom.predicate == ON_TOP:
             thing, table = self.atom.arguments
             return f"{thing} leaves the top of {table}: it reaches {-self.margin:.3g} m beyond the edge{where}"

@@ -1,5 +1,7 @@
 """Changes of a plan whose movement hits a body at rest, or meets another movement.
 
+A child process finds the changes, because the libraries for distances and paths may end their process (`isolation`).
+
 The remedies are, in this order: a path around the body; a resting hand that gives way; other hyperparameters, with
 which the movement keeps its distance. If the hand rests where the movement ends, it gives way first, because no path
 helps. If two movements meet, one of them goes first.
@@ -8,19 +10,22 @@ helps. If two movements meet, one of them goes first.
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from hybrid_tamp.midlevel.instance_model import Guard
+from hybrid_tamp.model.deadline import Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
-from hybrid_tamp.model.refined import CLEAR, RefinedPlan, Shortfall
+from hybrid_tamp.model.refined import CHECKED, CLEAR, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.planning.clearance import Hit, Sweep
+from hybrid_tamp.planning.clearance import Hit, Sweep, require_distance
 from hybrid_tamp.planning.detours import find_detour
 from hybrid_tamp.planning.giving_way import make_room, waiting_for
 from hybrid_tamp.planning.guards import make_guard
+from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 from hybrid_tamp.planning.proofs import prove_blocked
 
@@ -48,59 +53,107 @@ class Attempt:
     refused: RefinedPlan | None = None
     repeated: int = 0
 
-    def with_guard(self, task: Task, movement: Sweep, hit: Hit, refused: RefinedPlan) -> "Attempt":
+    def with_guard(self, task: Task, movement: Sweep, change: "_Change", refused: RefinedPlan) -> "Attempt":
         """Return the attempt in which the hyperparameters are chosen so that a movement keeps its distance."""
         name = movement.instance.name
-        extra = self.extras[name] - hit.margin if name in self.extras else 0.0
-        guards = {**self.guards, name: make_guard(task, movement, extra)}
+        assert change.shortfall is not None
+        extra = self.extras[name] - change.shortfall.margin if name in self.extras else 0.0
+        guards = {**self.guards, name: make_guard(task, movement, [each + extra for each in change.distances])}
         return Attempt(self.plan, guards, {**self.extras, name: extra}, self.refused or refused, self.repeated + 1)
 
 
-def avoid_bodies(
-    task: Task, refined: RefinedPlan, attempt: Attempt, movements: Sequence[Sweep]
-) -> Attempt | RefinedPlan | None:
-    """Return the next attempt if a movement hits a body at rest, or the refused plan if nothing helps.
+@dataclass(frozen=True)
+class _Change:
+    """What a child process found for a plan in which a movement hits something.
 
-    The result is None if no movement hits a body.
+    Attributes:
+        plan: the plan with a remedy, or None if there is none.
+        shortfall: the reason to refuse the plan, or None if there is a remedy.
+        movement: index of the movement that hits a body at rest. None if two movements meet.
+        distances: distances that this movement must keep from its neighbours [m].
+    """
+
+    plan: TaskPlan | None = None
+    shortfall: Shortfall | None = None
+    movement: int | None = None
+    distances: tuple[float, ...] = ()
+
+
+def avoid_collisions(
+    task: Task, refined: RefinedPlan, attempt: Attempt, movements: Sequence[Sweep], deadline: Deadline
+) -> Attempt | RefinedPlan | None:
+    """Return the next attempt if a movement hits something, or the refused plan if nothing helps.
+
+    The result is None if no movement hits anything.
 
     Args:
         task: task of the plan.
         refined: the evaluated plan.
         attempt: the attempt whose plan was evaluated.
         movements: movements of the plan in the order of their starts.
+        deadline: deadline of the command.
+
+    Raises:
+        LimitReached: the deadline passes.
     """
-    for movement in movements:
+    try:
+        change = run_isolated(partial(_find_change, task, refined, attempt.plan, movements), deadline)
+    except ChildEnded as ended:
+        return refuse_unchecked(refined, ended)
+    if change is None:
+        return None
+    if change.plan is not None:
+        return replace(attempt, plan=change.plan)
+    refused = replace(refined, shortfall=change.shortfall)
+    if change.movement is None:
+        return refused
+    varies = any(each.lower < each.upper for each in refined.hyperparameters)
+    proven = change.shortfall is not None and change.shortfall.proven
+    if proven or not varies or refined.shortfall is not None or attempt.repeated >= _MOST_GUARDS:
+        return attempt.refused or refused
+    movement = movements[change.movement]
+    _LOG.info("%s must keep its distance from bodies", movement.instance.name)
+    return attempt.with_guard(task, movement, change, refused)
+
+
+def refuse_unchecked(refined: RefinedPlan, ended: ChildEnded) -> RefinedPlan:
+    """Return a plan that is refused because a library ended its process while a movement was checked."""
+    return replace(refined, shortfall=Shortfall(ended.doing, Atom(CHECKED, (ended.doing,)), "1", 0.0, ended.cause))
+
+
+def _find_change(
+    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Sweep], note: Note
+) -> _Change | None:
+    for index, movement in enumerate(movements):
+        note(movement.instance.name)
         hit = movement.find_hit()
         if hit is not None:
-            return _avoid(task, refined, attempt, movements, movement, hit)
-    return None
+            return replace(_avoid_body(task, refined, plan, movements, movement, hit), movement=index)
+    return _avoid_meeting(task, refined, plan, movements, note)
 
 
-def _avoid(
+def _avoid_body(
     task: Task,
     refined: RefinedPlan,
-    attempt: Attempt,
+    plan: TaskPlan,
     movements: Sequence[Sweep],
     movement: Sweep,
     hit: Hit,
-) -> Attempt | RefinedPlan:
+) -> _Change:
     name, other, ends_near = movement.instance.name, hit.nearest.other, movement.ends_near(hit)
     roomier = make_room(task, refined.plan, movements, movement, other) if ends_near else None
     if roomier is not None:
-        return replace(attempt, plan=_reset(attempt.plan, roomier))
+        return _Change(_reset(plan, roomier))
     path, remark, proven = _find_way(task, movement)
     if path is not None:
         _LOG.info("%s follows a path with %d corners, because %s would be hit", name, len(path), other)
-        return replace(attempt, plan=attempt.plan.with_path(name, path))
+        return _Change(plan.with_path(name, path))
     roomier = None if ends_near else make_room(task, refined.plan, movements, movement, other)
     if roomier is not None:
-        return replace(attempt, plan=_reset(attempt.plan, roomier))
-    refused = replace(refined, shortfall=_describe(refined, movement, hit, remark, proven=proven))
-    varies = any(each.lower < each.upper for each in refined.hyperparameters)
-    if proven or not varies or refined.shortfall is not None or attempt.repeated >= _MOST_GUARDS:
-        return attempt.refused or refused
-    _LOG.info("%s must keep its distance from bodies, because %s would be hit", name, other)
-    return attempt.with_guard(task, movement, hit, refused)
+        return _Change(_reset(plan, roomier))
+    pairs = zip(movement.tracks, movement.neighbours, strict=True)
+    distances = tuple(require_distance(track, each) for track, neighbours in pairs for each in neighbours)
+    return _Change(shortfall=_describe(refined, movement, hit, remark, proven=proven), distances=distances)
 
 
 def _describe(refined: RefinedPlan, movement: Sweep, hit: Hit, remark: str, *, proven: bool) -> Shortfall:
@@ -130,20 +183,11 @@ def _find_way(task: Task, movement: Sweep) -> tuple[FloatArray | None, str, bool
     return None, proof or ("and the search found no path around it" if accepts else ""), bool(proof)
 
 
-def avoid_meetings(
-    task: Task, refined: RefinedPlan, attempt: Attempt, movements: Sequence[Sweep]
-) -> Attempt | RefinedPlan | None:
-    """Return the plan in which one of two movements that meet goes first, or the reason if neither can go first.
-
-    The result is None if no movements meet.
-
-    Args:
-        task: task of the plan.
-        refined: the evaluated plan.
-        attempt: the attempt whose plan was evaluated.
-        movements: movements of the plan in the order of their starts.
-    """
-    found = find_meeting(task, refined.plan, movements)
+def _avoid_meeting(
+    task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Sweep], note: Note
+) -> _Change | None:
+    """Return the plan in which one of two movements that meet goes first, or the reason if neither can go first."""
+    found = find_meeting(task, refined.plan, movements, note)
     if found is None:
         return None
     one, other, bodies = found
@@ -152,9 +196,9 @@ def avoid_meetings(
         if ordered is not None:
             _LOG.info("%s starts after %s, because %s meets %s on the way", second, first, *bodies)
             times = {each.name: (each.start, each.reached, each.end) for each in ordered.instances}
-            return replace(attempt, plan=attempt.plan.with_order(first, second).retime(times))
+            return _Change(plan.with_order(first, second).retime(times))
     remark = "and neither movement can go first"
-    return replace(refined, shortfall=Shortfall(other.instance.name, Atom(CLEAR, bodies), "m", 0.0, remark))
+    return _Change(shortfall=Shortfall(other.instance.name, Atom(CLEAR, bodies), "m", 0.0, remark))
 
 
 def _seed(task: Task, name: str) -> int:

@@ -4,6 +4,7 @@ Rollouts evaluate the conditions at sampled poses, with lower bounds of the dist
 movement away from a body. The search by bisection (`clearance`) decides afterwards.
 """
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -17,28 +18,28 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.planning.clearance import Sweep, require_distance
+from hybrid_tamp.planning.clearance import Sweep
 
 _SCALE = 0.01
 """Scale of a clearance [m]."""
 _PARAMETERS = Parameter("moving", TOKEN), Parameter("other", TOKEN)
 
 
-def make_guard(task: Task, movement: Sweep, extra: float = 0.0) -> Guard:
+def make_guard(task: Task, movement: Sweep, distances: Sequence[float]) -> Guard:
     """Return the conditions that a movement keeps its distance from all bodies at rest.
 
     Args:
         task: task of the plan.
         movement: a movement of the instance. Other candidates start near its start.
-        extra: further distance [m], because a movement may come nearer to a body between two sampled poses.
+        distances: distances to keep from the neighbours of all tracks in turn [m].
     """
     slots = {token: slot for slot, token in movement.instance.slots.items()}
-    literals, others = [], {}
+    literals, others, kept = [], {}, iter(distances)
     for track, neighbours in zip(movement.tracks, movement.neighbours, strict=True):
         for each in neighbours:
             key = f"{each.body.name} at rest"
             others[key] = task.token_by_name[each.body.name]
-            margin = partial(_margin, require_distance(track, each) + extra)
+            margin = partial(_margin, next(kept))
             predicate = Predicate(CLEAR, _PARAMETERS, margin, unit="m", scale=_SCALE)
             literals.append(Literal(predicate, (slots[track.body.name], key)))
     return Guard(tuple(literals), others)

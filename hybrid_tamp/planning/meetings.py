@@ -20,17 +20,21 @@ from hybrid_tamp.planning.clearance import Sweep, allow_contact
 from hybrid_tamp.symbolic.schedule import Constraint, InfeasibleScheduleError, find_earliest
 
 
-def find_meeting(task: Task, plan: TaskPlan, movements: Sequence[Sweep]) -> tuple[Sweep, Sweep, tuple[str, str]] | None:
+def find_meeting(
+    task: Task, plan: TaskPlan, movements: Sequence[Sweep], note: Callable[[str], None]
+) -> tuple[Sweep, Sweep, tuple[str, str]] | None:
     """Return the first two movements that may overlap and meet, with the names of the two bodies, or None.
 
     Args:
         task: task of the plan.
         plan: the plan.
         movements: movements of the plan in the order of their starts.
+        note: called with the name of an instance before its movement is compared.
     """
     precedence = Precedence(task, plan)
     for one, other in combinations(movements, 2):
         if precedence.may_overlap(one.instance, other.instance):
+            note(other.instance.name)
             # Movements that start at the same instant keep their timing, and all others may have any timing.
             compare = meet_together if precedence.start_together(one.instance, other.instance) else meet
             for mine, theirs in _meeting_tracks(task, one, other, compare):

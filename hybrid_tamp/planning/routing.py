@@ -1,23 +1,25 @@
 """Evaluation of a plan in the forward models, with changes of the plan until no movement hits anything."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from hybrid_tamp.collision.checker import DEPTH
 from hybrid_tamp.midlevel.refinement import evaluate_defaults, refine
 from hybrid_tamp.midlevel.rollout import Rollouts
 from hybrid_tamp.midlevel.summary import time_plan
+from hybrid_tamp.model.closest_pair import ClosestPair
 from hybrid_tamp.model.collision import Collision
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.refined import CLEAR, ON_TOP, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.planning.avoiding import Attempt, avoid_bodies, avoid_meetings
-from hybrid_tamp.planning.clearance import find_sweeps
+from hybrid_tamp.planning.avoiding import Attempt, avoid_collisions, refuse_unchecked
+from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.closest_pairs import find_closest_pairs
 from hybrid_tamp.planning.collisions import check_plan
 from hybrid_tamp.planning.giving_way import waiting_for
+from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
 from hybrid_tamp.planning.overhangs import Overhang, find_overhang
 
 Evaluate = Callable[[TaskPlan, Rollouts], RefinedPlan]
@@ -49,20 +51,37 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
         if missed is not None and missed.atom.predicate != CLEAR:
             where = waiting_for(refined.plan, missed.where)
             return attempt.refused or replace(refined, shortfall=replace(missed, where=where))
-        traces = rollouts.trace(refined.plan)
-        movements = list(find_sweeps(task, refined.plan, traces, deadline))
+        movements = list(find_sweeps(task, refined.plan, rollouts.trace(refined.plan), deadline))
         overhang = find_overhang(task, movements)
         if overhang is not None:
             return replace(refined, shortfall=_fall(overhang))
-        changed = avoid_bodies(task, refined, attempt, movements) or avoid_meetings(task, refined, attempt, movements)
+        changed = avoid_collisions(task, refined, attempt, movements, deadline)
         if isinstance(changed, RefinedPlan):
             return changed
         if changed is None:
             found = refined if missed is None else _settle(task, refined, deadline)
-            found = replace(found, closest_pairs=find_closest_pairs(movements))
-            collisions = check_plan(task, time_plan(task, found.plan, rollouts), traces)
-            return replace(found, shortfall=_collide(task, found.plan, collisions[0])) if collisions else found
+            return _check(task, found, rollouts, movements, deadline)
         attempt = changed
+
+
+def _check(
+    task: Task, found: RefinedPlan, rollouts: Rollouts, movements: Sequence[Sweep], deadline: Deadline
+) -> RefinedPlan:
+    """Return a plan with its closest pairs, or a refused plan if the independent check finds a collision."""
+    timed, traces = time_plan(task, found.plan, rollouts), {each.instance.name: each.trace for each in movements}
+
+    def check(note: Note) -> tuple[tuple[ClosestPair, ...], tuple[Collision, ...]]:
+        note(movements[0].instance.name)
+        return find_closest_pairs(movements), check_plan(task, timed, traces)
+
+    if not movements:
+        return found
+    try:
+        pairs, collisions = run_isolated(check, deadline)
+    except ChildEnded as ended:
+        return refuse_unchecked(found, ended)
+    found = replace(found, closest_pairs=pairs)
+    return replace(found, shortfall=_collide(task, found.plan, collisions[0])) if collisions else found
 
 
 def _settle(task: Task, refined: RefinedPlan, deadline: Deadline) -> RefinedPlan:

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import hybrid_tamp
+from hybrid_tamp.collision import bodies
 from hybrid_tamp.errors import DomainError, Issue, LimitReached
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
@@ -68,3 +70,17 @@ def test_an_exception_of_the_function_is_raised_in_the_calling_process() -> None
 def test_a_result_that_cannot_be_sent_is_an_error_of_the_function() -> None:
     with pytest.raises(Exception, match="pickle"):
         run_isolated(lambda _: lambda: None, NEVER)
+
+
+def test_a_plan_whose_check_aborts_is_not_found_and_the_reason_names_the_movement(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A library that aborts for the drum and the wall takes the place of python-fcl."""
+    monkeypatch.setattr(bodies, "find_nearest", lambda *_: os.abort())
+    monkeypatch.setattr("hybrid_tamp.planning.clearance.find_nearest", lambda *_: os.abort())
+    monkeypatch.setattr("hybrid_tamp.collision.sweeps.find_nearest", lambda *_: os.abort())
+    outcome = hybrid_tamp.plan("roll_around_wall")
+    assert outcome.failure is not None
+    assert (outcome.failure.kind, outcome.plan) == ("not_refined", None)
+    reasons = [each.shortfall.text for each in outcome.excluded]
+    assert reasons[0] == "REACHING-1 could not be checked: a library ended its process (signal SIGABRT)"
