@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import hybrid_tamp
-from hybrid_tamp.collision import bodies
 from hybrid_tamp.errors import DomainError, Issue, LimitReached
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
@@ -75,8 +74,7 @@ def test_a_result_that_cannot_be_sent_is_an_error_of_the_function() -> None:
 def test_a_plan_whose_check_aborts_is_not_found_and_the_reason_names_the_movement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A library that aborts for the drum and the wall takes the place of python-fcl."""
-    monkeypatch.setattr(bodies, "find_nearest", lambda *_: os.abort())
+    """A function that aborts takes the place of the distances of python-fcl."""
     monkeypatch.setattr("hybrid_tamp.planning.clearance.find_nearest", lambda *_: os.abort())
     monkeypatch.setattr("hybrid_tamp.collision.sweeps.find_nearest", lambda *_: os.abort())
     outcome = hybrid_tamp.plan("roll_around_wall")
