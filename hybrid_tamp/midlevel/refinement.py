@@ -18,7 +18,6 @@ from hybrid_tamp.midlevel.objective import Objective, RollOut, find_last_measure
 from hybrid_tamp.midlevel.physics_refinement import refine_in_physics
 from hybrid_tamp.midlevel.plan_search import Progress, Searched, SearchSettings, search_plan
 from hybrid_tamp.midlevel.rollout import Rollouts
-from hybrid_tamp.midlevel.scores import Scores
 from hybrid_tamp.midlevel.summary import Candidates, summarise, summarise_defaults, summarise_nearby
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import TaskPlan
@@ -26,6 +25,10 @@ from hybrid_tamp.model.refined import RefinedPlan
 from hybrid_tamp.model.task import Task
 
 _LOG = logging.getLogger(__name__)
+
+
+_PROMISING = 0.5
+"""Largest violation of a point near the defaults, as a fraction of their violation, after which the search goes on."""
 
 
 def refine(
@@ -48,7 +51,8 @@ def refine(
         compare: whether to also optimise each action separately, for comparison.
         measured: function that runs candidates in physics, for tasks with ``refine: physics``.
         nearby: names of instances. If there is no value to maximise, points that differ from the defaults in one
-            hyperparameter of these instances are tried first.
+            hyperparameter of these instances are tried first. If none of them halves the violation, nothing else is
+            tried.
         deadline: deadline of the command.
 
     Raises:
@@ -64,10 +68,9 @@ def refine(
             return summarise_defaults(objective, defaults, time.monotonic() - began)
     if not valued:
         objective = replace(objective, reserves={})  # Without a value to maximise, reserves have no use.
-        points, scores = sample_nearby(objective, nearby) if nearby else (np.zeros((0, 0)), Scores(*np.zeros((2, 0))))
-        if (scores.violation == 0.0).any():
-            candidates = Candidates.of(objective, points[0], points[np.argmin(scores.violation)])
-            return summarise_nearby(objective, candidates, len(points), time.monotonic() - began)
+        settled = _try_nearby(objective, defaults, nearby, began) if nearby else None
+        if settled is not None:
+            return settled
     tell = progress or (lambda share, best: None)
     rng = np.random.default_rng(task.seed)
     settings = SearchSettings(task.midlevel, rng, tell, compare and last is not None)
@@ -85,6 +88,22 @@ def refine(
     optimised = f"{len(searched.screening.relevant)} of {len(found.hyperparameters)} hyperparameters"
     _LOG.info("%s optimised %s in %d rollouts, %.2f s", found.optimiser, optimised, found.evaluations, found.seconds)
     return found
+
+
+def _try_nearby(
+    objective: Objective, defaults: Candidates, nearby: Collection[str], began: float
+) -> RefinedPlan | None:
+    """Return the plan with a point near the defaults that meets all conditions, or with the defaults if none helps.
+
+    The result is None if a search over the whole space may help.
+    """
+    points, scores = sample_nearby(objective, nearby)
+    if (scores.violation == 0.0).any():
+        candidates = Candidates.of(objective, points[0], points[np.argmin(scores.violation)])
+        return summarise_nearby(objective, candidates, len(points), time.monotonic() - began)
+    if scores.violation.min() > _PROMISING * scores.violation[0]:
+        return summarise_defaults(objective, defaults, time.monotonic() - began)
+    return None
 
 
 def evaluate_defaults(task: Task, plan: TaskPlan, roll_out: RollOut) -> RefinedPlan:
