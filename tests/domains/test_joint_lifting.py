@@ -226,7 +226,7 @@ def test_symbols_and_forward_models_agree() -> None:
     """Two hands can lift this crate, and four hands too. With this seed, the walks reach all blocks of both modes."""
     text = (PROBLEMS / "lift_four_hands.yaml").read_text(encoding="utf-8")
     assert "mass: 24" in text
-    assert not check_domain(load_task_text(text.replace("mass: 24", "mass: 12"), "crate"), samples=1, seed=8)
+    assert not check_domain(load_task_text(text.replace("mass: 24", "mass: 12"), "crate"), samples=1, seed=9)
 
 
 @pytest.mark.parametrize("mode", NAMES)
