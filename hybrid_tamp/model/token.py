@@ -158,7 +158,7 @@ class Token:
         merged = {varying.name: varying for member in self.classes for varying in member.varying}
         return tuple(merged.values())
 
-    @property
+    @cached_property
     def basic_actions(self) -> tuple[BasicAction, ...]:
         """Basic actions of the token's capability classes, without duplicates, sorted by name."""
         merged = {action.name: action for member in self.classes for action in member.basic_actions}

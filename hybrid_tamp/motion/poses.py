@@ -212,12 +212,14 @@ def rotation_vector(quaternion: ArrayLike) -> FloatArray:
         ValueError: if the last dimension is not 4.
     """
     unit = check_size(quaternion, 4, "quaternion")
+    if unit.size == 4:
+        return singles.logarithm(unit)
     # q and -q represent the same rotation. The quaternion with w >= 0 has an angle of at most pi.
     unit = np.where(unit[..., 3:] < 0.0, -unit, unit)
     vector, scalar = unit[..., :3], unit[..., 3:]
     sine = np.sqrt(np.sum(vector * vector, axis=-1, keepdims=True))
     # For small angles, angle / sin(angle / 2) tends to 2. Below the threshold, the next term is lost in rounding.
-    small = sine < 1e-9
+    small = sine < singles.TINY
     factor = np.where(small, 2.0, 2.0 * np.arctan2(sine, scalar) / np.where(small, 1.0, sine))
     return np.asarray(factor * vector)
 

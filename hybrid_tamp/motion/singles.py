@@ -16,6 +16,9 @@ FEW = 8
 SHORT = 4
 """Largest number of elements for which `normalized` adds the squares in the same order as numpy."""
 
+TINY = 1e-9
+"""Sine of half an angle below which the angle is treated as twice the sine."""
+
 Numbers = Sequence[float]
 """Components of a vector or of a quaternion."""
 
@@ -66,6 +69,16 @@ def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
 def exponential(vector: FloatArray) -> FloatArray:
     """Return the unit quaternion of a rotation vector of 3 elements [rad]."""
     return np.array(_exponential(vector.ravel().tolist()), ndmin=vector.ndim)
+
+
+def logarithm(q: FloatArray) -> FloatArray:
+    """Return the rotation vector [rad] of a unit quaternion of 4 elements, as `poses.rotation_vector` does."""
+    x, y, z, w = q.ravel().tolist()
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    sine = sqrt(x * x + y * y + z * z)
+    factor = 2.0 if sine < TINY else 2.0 * float(np.arctan2(sine, w)) / sine
+    return np.array([factor * x, factor * y, factor * z], ndmin=q.ndim)
 
 
 def integrate(q: FloatArray, angular_velocity: FloatArray, dt: float) -> FloatArray:

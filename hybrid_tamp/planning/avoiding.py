@@ -124,7 +124,9 @@ def refuse_unchecked(refined: RefinedPlan, ended: ChildEnded) -> RefinedPlan:
 def _find_change(
     task: Task, refined: RefinedPlan, plan: TaskPlan, movements: Sequence[Sweep], note: Note
 ) -> _Change | None:
-    for index, movement in enumerate(movements):
+    # Movements without paths come first: if one of them cannot avoid a body, no path of another movement helps.
+    for index in sorted(range(len(movements)), key=lambda each: _accepts_path(task, movements[each])):
+        movement = movements[index]
         note(movement.instance.name)
         hit = movement.find_hit()
         if hit is not None:
@@ -174,13 +176,17 @@ def _reset(plan: TaskPlan, changed: TaskPlan) -> TaskPlan:
 
 def _find_way(task: Task, movement: Sweep) -> tuple[FloatArray | None, str, bool]:
     """Return a path for a movement that hits a body, or why there is none, and whether this is proven."""
-    accepts = task.domain.block_by_name[movement.instance.block].path is not None
+    accepts = _accepts_path(task, movement)
     if accepts and not movement.instance.path:
         path = find_detour(task, movement, _seed(task, movement.instance.name))
         if path is not None:
             return path, "", False
     proof = prove_blocked(task, movement)
     return None, proof or ("and the search found no path around it" if accepts else ""), bool(proof)
+
+
+def _accepts_path(task: Task, movement: Sweep) -> bool:
+    return task.domain.block_by_name[movement.instance.block].path is not None
 
 
 def _avoid_meeting(

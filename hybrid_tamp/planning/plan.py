@@ -9,6 +9,7 @@ from dataclasses import replace
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.affordance import TOKEN
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.expectation import Expectations
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import CLASS_UNKNOWN, PlannerFigures, PlanningFailure, PlanOutcome
 from hybrid_tamp.model.planned_network import AddedToken, PlannedNetwork
@@ -27,7 +28,9 @@ _WITHOUT = {
 }
 
 
-def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) -> PlanOutcome:
+def plan_task(
+    task: Task, planner: Planner, deadline: Deadline | None = None, expectations: Expectations | None = None
+) -> PlanOutcome:
     """Plan a task on its reduced network, and add other objects to the network until a plan is found.
 
     The outcome is 'unsolvable' only if the network contains every token and block that a plan could use. If a limit
@@ -37,6 +40,7 @@ def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) ->
         task: the task to plan.
         planner: a running planner process.
         deadline: deadline of the command. By default, the time limit of the task counts from now.
+        expectations: expectations of instances, which the plans of several tasks may share.
 
     Raises:
         InputError: if the planning engine is unknown or not installed, or if the goal cannot be compiled.
@@ -49,7 +53,9 @@ def plan_task(task: Task, planner: Planner, deadline: Deadline | None = None) ->
         while True:
             tailored.reach_goal()
             relax = tailored.can_widen
-            planned = _extend(tailored, find_plan(tailored.reduction.task, planner, tailored.deadline, relax=relax))
+            reduced = tailored.reduction.task
+            found = find_plan(reduced, planner, tailored.deadline, relax=relax, expectations=expectations)
+            planned = _extend(tailored, found)
             if not relax or planned.status not in _WITHOUT:
                 break
             tailored.widen(_WITHOUT[planned.status])

@@ -7,6 +7,7 @@ planner runs again. ``task.limits.refinements`` limits the number of repetitions
 import logging
 from collections.abc import Callable
 from dataclasses import replace
+from functools import reduce
 
 from hybrid_tamp.errors import InputError, LimitReached
 from hybrid_tamp.midlevel.refinement import refine
@@ -17,6 +18,7 @@ from hybrid_tamp.model.outcome import BLOCKED, NOT_REFINED, Exclusion, PlanningF
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
 from hybrid_tamp.model.refined import GOAL, Milestone, RefinedPlan, Shortfall
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.planning.equal_hands import swap_equal_hands
 from hybrid_tamp.planning.physics_rollouts import PhysicsRollouts
 from hybrid_tamp.planning.routing import route, route_defaults
 from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
@@ -115,7 +117,7 @@ def _replan(
         excluded = (*excluded, Exclusion(failing, refined.shortfall, refined.plan))
         outcome = replace(outcome, excluded=excluded)
         try:
-            current = _exclude(outcome.chosen or current, current, planned, failing)
+            current = _exclude(outcome.chosen or current, current, planned, failing, refined.shortfall)
         except InputError as error:
             return _give_up(outcome, str(error))
         if len(excluded) > most:
@@ -163,10 +165,11 @@ def _failing_instance(task: Task, plan: TaskPlan, shortfall: Shortfall) -> Block
     return (moving or last_first)[0]
 
 
-def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstance) -> Task:
+def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstance, shortfall: Shortfall) -> Task:
     """Return the current task without a failing binding in the situation in which the binding failed.
 
-    The situation consists of the expected poses of the tokens that blocks move.
+    The situation consists of the expected poses of the tokens that blocks move. In this situation, the same movement
+    with other hands that are equal fails as well.
 
     Raises:
         InputError: if the block has too many bindings.
@@ -174,7 +177,8 @@ def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstanc
     block = current.domain.block_by_name[failing.block]
     state = predict_states(planned, plan)[failing.name]
     moved = [role for role in block.roles if _is_moved(current, failing.roles[role])]
-    return forbid(current, failing, state, moved)
+    equal = swap_equal_hands(current, failing, shortfall) if moved else [failing]
+    return reduce(lambda task, each: forbid(task, each, state, moved), equal, current)
 
 
 def _is_moved(task: Task, name: str) -> bool:

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.expectation import Expectations
 from hybrid_tamp.model.plan import Fewest
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
@@ -37,7 +38,14 @@ _DECOMPOSING = (SHORTENING, FIRST, "symk", "enhsp", "pyperplan")
 """Engines that may plan goals separately. They stop if there is no plan, and do not guarantee the fewest actions."""
 
 
-def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *, relax: bool = False) -> SearchResult:
+def find_plan(
+    task: Task,
+    planner: Planner,
+    deadline: Deadline | None = None,
+    *,
+    relax: bool = False,
+    expectations: Expectations | None = None,
+) -> SearchResult:
     """Return a plan that the law checker accepted, or the reason why there is none.
 
     Each action comes from a plan that the validator of unified-planning accepted. If the goal leaves a choice, the
@@ -49,6 +57,7 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
         deadline: Deadline of the command. By default, the time limit of the task counts from now.
         relax: Whether the delete relaxation examines the task before the engine. This is useful if other tasks will be
             planned when this task has no plan, because some engines never end without a plan.
+        expectations: Expectations of instances, which several calls may share.
 
     Returns:
         The result. If a limit ended the search for a better plan, the result names the limit.
@@ -61,9 +70,9 @@ def find_plan(task: Task, planner: Planner, deadline: Deadline | None = None, *,
     # A goal that crowds a place is impossible. A task file without another goal is refused.
     alternatives = [each for each in task.alternatives() if each.crowding() is None] or list(task.alternatives())
     if len(alternatives) == 1:
-        search = Search(alternatives[0], planner, deadline)
+        search = Search(alternatives[0], planner, deadline, expectations=expectations)
         return _plan_whereabouts(search, _plan(search, relax))
-    return _plan_alternatives(alternatives, planner, deadline)
+    return _plan_alternatives(alternatives, planner, deadline, expectations)
 
 
 def _plan_whereabouts(search: Search, result: SearchResult) -> SearchResult:
@@ -214,7 +223,9 @@ def _plan_apart(search: Search) -> Candidate | None:
     return plan_goals_in_turn(search, best) if best is not None and wants_fewest(search.task) else best
 
 
-def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline: Deadline) -> SearchResult:
+def _plan_alternatives(
+    alternatives: Sequence[Task], planner: Planner, deadline: Deadline, expectations: Expectations | None
+) -> SearchResult:
     """Plan the alternatives of a goal with a choice, the nearest first, and return the best result.
 
     If several plans are equally good, the plan of the nearest alternative is returned.
@@ -227,7 +238,7 @@ def _plan_alternatives(alternatives: Sequence[Task], planner: Planner, deadline:
     stopped: LimitReached | None = None
     for each in alternatives:
         try:
-            search = Search(each, planner, deadline)
+            search = Search(each, planner, deadline, expectations=expectations)
             found.append(_plan_whereabouts(search, _plan(search, relax=True)))
             stopped = found[-1].stopped
         except LimitReached as reached:

@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.expectation import Expectations
 from hybrid_tamp.model.explanation import TaskExplanation
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
@@ -51,7 +52,7 @@ def explain(
     # Start the planner process first, so that its start-up overlaps with the reading of the task file.
     with PlannerProcess() as process:
         task, deadline = load_timed(source, settings, plans=True)
-        planning = partial(plan_task, planner=process, deadline=deadline)
+        planning = partial(plan_task, planner=process, deadline=deadline, expectations=Expectations())
         if optimise:
             planned = plan_and_refine(task, planning, progress, deadline=deadline)
         else:

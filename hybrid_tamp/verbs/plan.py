@@ -4,6 +4,7 @@ from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
+from hybrid_tamp.model.expectation import Expectations
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.planning.plan import plan_task
@@ -65,7 +66,7 @@ def plan(
         target = None if folder is None else RunFolder.open(folder, force=force)
         if draw is not None:
             check_picture(draw, force=force)
-        planning = partial(plan_task, planner=process, deadline=deadline)
+        planning = partial(plan_task, planner=process, deadline=deadline, expectations=Expectations())
         if optimise:
             outcome = plan_and_refine(task, planning, progress, deadline=deadline)
         else:

@@ -9,6 +9,7 @@ from hybrid_tamp.execution.events import EventLog
 from hybrid_tamp.execution.execute import execute
 from hybrid_tamp.execution.storage import save
 from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.expectation import Expectations
 from hybrid_tamp.model.outcome import PlanOutcome
 from hybrid_tamp.model.run_result import RunResult
 from hybrid_tamp.model.task import Task
@@ -79,7 +80,7 @@ def run(
         target = RunFolder.open(folder, force=force)
         films.check()
         physics = stack.enter_context(open_backend(backend))
-        planning = find_plan or partial(plan_task, planner=process, deadline=deadline)
+        planning = find_plan or partial(plan_task, planner=process, deadline=deadline, expectations=Expectations())
         outcome = _plan(task, planning, process, tell, backend, deadline)
         save_plan(outcome, target)
         try:

@@ -15,6 +15,7 @@ from hybrid_tamp.motion.poses import (
     quaternion_from_rotation_vector,
     quaternion_multiply,
     rotate,
+    rotation_vector,
 )
 
 ONES = [(), (1,), (1, 1)]
@@ -51,6 +52,15 @@ def test_one_vector_is_scaled_and_turned_as_a_row_of_a_batch() -> None:
     for function in (normalized, quaternion_from_rotation_vector):
         for row, wanted in zip(vectors, function(vectors), strict=True):
             np.testing.assert_allclose(function(row), wanted, rtol=1e-14)
+
+
+def test_one_quaternion_gives_the_rotation_vector_of_a_row_of_a_batch() -> None:
+    quaternions = normalized(np.random.default_rng(8).normal(size=(6, 4)))
+    nearly_none = normalized(np.array([[1e-9, -2e-10, 3e-10, -1.0], [0.0, 0.0, 0.0, 1.0]]))
+    for each in (quaternions, nearly_none):
+        for row, wanted in zip(each, rotation_vector(each), strict=True):
+            np.testing.assert_allclose(rotation_vector(row), wanted, rtol=1e-14, atol=1e-30)
+            assert rotation_vector(row[None, None]).shape == (1, 1, 3)
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (8, 3), (1, 5, 3), (2, 2, 3), (9, 3), (2, 1, 3)])
