@@ -19,6 +19,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
 from hybrid_tamp.symbolic.engines.registry import FIRST, SHORTENING
 from hybrid_tamp.symbolic.relaxation import may_be_solvable
+from hybrid_tamp.symbolic.strategies.best_alternative import choose_best
 from hybrid_tamp.symbolic.strategies.fewest import count_facts, judge_fewest, wants_fewest
 from hybrid_tamp.symbolic.strategies.goals_apart import plan_goals_apart
 from hybrid_tamp.symbolic.strategies.in_turn import plan_goals_in_turn
@@ -248,13 +249,4 @@ def _plan_alternatives(
         plan = found[-1].plan
         if stopped is not None or (plan is not None and not plan.actions):
             break  # No plan is shorter than the empty plan.
-    solved = [result for result in found if result.plan is not None]
-    open_ends = [result for result in found if result.status != "unsolvable"]
-    chosen = min(solved, key=lambda each: each.cost) if solved else [*open_ends, *found][0]
-    # The duration of a stage is summed over all alternatives.
-    stages = {name: sum(result.stages.get(name, 0.0) for result in found) for name in chosen.stages}
-    answer = replace(chosen.answer, seconds=time.monotonic() - began)
-    fewest = chosen.fewest
-    if fewest == "proven fewest" and not all(each.fewest == fewest or each.status == "unsolvable" for each in found):
-        fewest = "no shorter one found"
-    return replace(chosen, answer=answer, stages=stages, stopped=stopped, fewest=fewest)
+    return choose_best(found, time.monotonic() - began, stopped)
