@@ -136,12 +136,7 @@ def _situated_search(
 ) -> Search:
     task = situation.situated_task(optimistic, excluded)
     return Search(
-        task,
-        begun.planner,
-        begun.deadline,
-        original=situation.task,
-        restore=situation.original_plan,
-        expectations=begun.expectations,
+        task, begun.planner, begun.deadline, situation.task, situation.original_plan, expectations=begun.expectations
     )
 
 

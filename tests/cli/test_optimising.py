@@ -198,6 +198,6 @@ def test_the_network_of_a_task_and_of_a_domain(command: Command, words: list[str
     assert len(found["edges"]) == 3
     assert {"name": "FIRST", "slots": {"puck": "PUCK"}} in found["blocks"]
     shown = command("network", "rolling_tumbling").stdout
-    assert "36 edges" in shown
+    assert "38 edges" in shown
     assert "RESTING.token, ROLLING.hand" in shown
     assert command("network", "roll_cilinder").returncode == 30
