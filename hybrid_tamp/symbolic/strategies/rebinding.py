@@ -7,19 +7,23 @@ in the whole plan, as long as the makespan improves, up to `MOST_ACTIONS`. Every
 because some conditions depend on the token's position, e.g. its workspace.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+
+import numpy as np
 
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.plan import PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
 from hybrid_tamp.symbolic.pddl.operators import rename_arguments
 from hybrid_tamp.symbolic.schedule import schedule_actions
 from hybrid_tamp.symbolic.strategies.search import Candidate, Search
+from hybrid_tamp.symbolic.whereabouts.predicted import predict_states
 
 REBOUND = "interchangeable tokens rebound"
 SWAPPED = "interchangeable tokens swapped"
@@ -67,7 +71,8 @@ def swap_tokens(search: Search, best: Candidate) -> Candidate:
     """Return a lawful plan whose movements take less time in total, or the given plan if no swap of tokens helps.
 
     Pairs of interchangeable tokens that both move are swapped in the whole plan, so the number of actions stays the
-    same. For hands that move along straight lines, the sum of the lengths is smallest if the lines do not cross.
+    same. Only the first movement of each token then begins elsewhere. So a pair is not tried if the straight lines from
+    the initial positions to the ends of the first movements would become longer.
 
     Raises:
         LimitReached: If the deadline passes.
@@ -76,15 +81,40 @@ def swap_tokens(search: Search, best: Candidate) -> Candidate:
     resting = search.original.domain.resting
     moving = {name for each in best.plan.instances if each.block != resting for name in each.slots.values()}
     groups = [[name for name in group if name in moving] for group in interchangeable(search.task)]
-    pairs = [pair for group in groups for pair in combinations(group, 2)]
-    for one, other in (map(compilation.words.name, pair) for pair in pairs):
+    for pair in [pair for group in groups for pair in combinations(group, 2)]:
         search.deadline.check()
+        if not _may_shorten(_first_ways(search, best.plan), *pair):
+            continue
+        one, other = map(compilation.words.name, pair)
         actions = [rename_arguments(action, {one: other, other: one}) for action in best.plan.actions]
         with search.stage("scheduling"):
             swapped = _schedule(compilation, actions, search.estimates)
         if swapped is not None and _sum_times(swapped) < _sum_times(best.plan) - 1e-6:
             best = search.judge(Candidate(f"{best.way}, {SWAPPED}", swapped)) or best
     return best
+
+
+def _first_ways(search: Search, plan: TaskPlan) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Map each token that moves twice to its initial position and to its expected position after the first movement."""
+    task, states = search.original, predict_states(search.task, plan, search.estimates)
+    moving: dict[str, list[str]] = {}
+    for each in sorted(plan.instances, key=lambda each: (each.start, each.name)):
+        for name in each.slots.values() if each.block != task.domain.resting else ():
+            moving.setdefault(name, []).append(each.name)
+    return {
+        name: (task.state[name, "position"], states[names[1]][name, "position"])
+        for name, names in moving.items()
+        if len(names) > 1 and (name, "position") in task.state.layout.slices
+    }
+
+
+def _may_shorten(ways: Mapping[str, tuple[FloatArray, FloatArray]], one: str, other: str) -> bool:
+    """Return whether a swap of two tokens may shorten their first movements."""
+    if one not in ways or other not in ways:
+        return True
+    (a, b), (c, d) = ways[one], ways[other]
+    now = np.linalg.norm(b - a) + np.linalg.norm(d - c)
+    return bool(np.linalg.norm(d - a) + np.linalg.norm(b - c) < now)
 
 
 def _sum_times(plan: TaskPlan) -> float:
