@@ -46,7 +46,7 @@ from .curves import Route, curve_through
 from .detours import off_the_face, route_away, route_to_face
 from .faces import FACE, POSTURES
 from .tumbling_geometry import above_ground, place_at
-from .tumbling_predicates import ALIGNED, AT_FACE, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
+from .tumbling_predicates import ALIGNED, AT_FACE, CAN_WORK_AT, EXPOSED, ON_SIDE, POSTURE, WITHIN_REACH
 from .turning_hands import ALIGNMENT
 
 _SHORTEST = 0.8
@@ -148,7 +148,8 @@ REACH_BESIDE = make_reaching(
         targets=(Target("object", Tumblable), Target("face", FACE), Target("posture", POSTURES)),
         position=_end,
         orientation=_orientation,
-        entry=conditions((EXPOSED, POSTURE, ALIGNED, ON_SIDE, *ABLE_HAND, HEAVY_ENOUGH, FREE_TO_MOVE)),
+        entry=conditions((EXPOSED, POSTURE, ALIGNED, CAN_WORK_AT, *ABLE_HAND, HEAVY_ENOUGH, FREE_TO_MOVE)),
+        preferences=conditions((ON_SIDE,)),
         arrived=conditions((AT_FACE,)),
         lasting=conditions((CLEAR_OF_FLOOR, POSTURE)),
         description="the hand moves around the box to a place at a face and stays there",

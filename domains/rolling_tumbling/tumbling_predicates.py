@@ -82,16 +82,26 @@ def _lowness(state: State, hand: Token, thing: Token) -> FloatArray:
     return np.asarray(max(lowness(thing, axis) for axis in axes_of_turn(state, hand, thing)))
 
 
-def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
-    """Return a margin that is positive if a face points to the hand's side. A hand above the box may use both sides.
+def _ability(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
+    """Return a margin that is positive if a hand can work at a face of a box in a posture.
 
-    A hand that can turn moves around the box, so it may use both sides. But such a hand must be able to turn the box
-    about the edge, which no other fact about a hand with several possible edges states.
+    The axis of a hand that cannot turn must not cross the face. A hand that can turn must be able to turn the box about
+    the edge, which no other fact about a hand with several possible edges states.
     """
     if (face, posture) not in EXPOSED_HOLD:
         return np.asarray(-1.0)
     if can_turn(hand):
         return np.asarray(ability(hand, thing, axis_of(face, posture)))
+    return np.asarray(abs(outlook(state, hand, thing, face, posture)) - _LEAST_OUTLOOK)
+
+
+def _outlook(state: State, hand: Token, thing: Token, face: str, posture: str) -> FloatArray:
+    """Return a margin that is positive if a face points to the side of a hand. A hand above the box has both sides.
+
+    Hands that can turn have no side, because they start in any orientation.
+    """
+    if can_turn(hand):
+        return np.asarray(1.0)
     offset = float((state[hand, "position"] - state[thing, "position"]) @ to_the_right(state, hand))
     facing = outlook(state, hand, thing, face, posture)
     return np.asarray((facing if offset > 0 else -facing) if abs(offset) > _ABOVE else abs(facing)) - _LEAST_OUTLOOK
@@ -131,6 +141,17 @@ ALIGNED = competence(
     description="{hand} can be level and parallel to the {face} face of {object}",
     denial="{hand} cannot turn, and its axis is not level or not parallel to the {face} face of {object}",
 )
+CAN_WORK_AT = competence(
+    "can_work_at",
+    (_HAND, _OBJECT, _FACE, _POSTURE),
+    one_by_one(_ability),
+    unit="1",
+    scale=0.1,
+    # A hand that cannot turn keeps its axis, and for another hand the margin does not depend on the axis.
+    reads={"object": ("orientation",)},
+    description="in posture {posture}, {hand} can work at the {face} face of {object}",
+    denial="in posture {posture}, {hand} is not able to turn {object} about the edge at the {face} face",
+)
 ON_SIDE = competence(
     "on_side",
     (_HAND, _OBJECT, _FACE, _POSTURE),
@@ -139,13 +160,10 @@ ON_SIDE = competence(
     scale=0.1,
     # The side on which the hand starts does not change, so `reads` omits the positions and the axis of the hand.
     reads={"object": ("orientation",)},
-    description="in posture {posture}, {hand} can work at the {face} face of {object} from the side on which it starts",
-    denial=(
-        "in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts, or "
-        "{hand} is not able to turn {object} about the edge there"
-    ),
+    description="in posture {posture}, the {face} face of {object} points to the side on which {hand} starts",
+    denial="in posture {posture}, the {face} face of {object} does not point to the side on which {hand} starts",
 )
-"""Each hand that cannot turn stays on its side of a box, because hands that change sides could collide."""
+"""A preference: hands that change sides make detours, and have to wait for each other."""
 STRONG_ENOUGH = bears_share(
     "strong_enough",
     (_HAND, _OBJECT),
@@ -216,4 +234,4 @@ EXPOSED = Predicate.relation(
     description="a hand can be placed at the {face} face of a box in posture {posture}",
     denial="no hand can be placed at the {face} face of a box in posture {posture}",
 )
-FEASIBLE_TUMBLING = (ALIGNED, ON_SIDE, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)
+FEASIBLE_TUMBLING = (ALIGNED, CAN_WORK_AT, STRONG_ENOUGH, WITHIN_REACH, LOW_ENOUGH)

@@ -11,15 +11,8 @@ from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.authored import authored
-from hybrid_tamp.model.control import (
-    Commands,
-    ContinuousSystem,
-    Hyperparameter,
-    Hyperparameters,
-    PolicyMaker,
-    SystemMaker,
-)
-from hybrid_tamp.model.default_system import make_default_system
+from hybrid_tamp.model.control import Hyperparameter, Hyperparameters, PolicyMaker, SystemMaker
+from hybrid_tamp.model.default_system import keep_still, make_default_system
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
@@ -76,14 +69,6 @@ Outcome = Callable[[Binding, State], State]
 """Pure function ``outcome(binding, state)`` that returns the expected state at the end of an instance."""
 
 
-def _rest(binding: Binding, start: State) -> ContinuousSystem:
-    return _stay
-
-
-def _stay(state: State, commands: Commands, dt: float) -> State:
-    return state
-
-
 def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
     return tuple(literal for literal in literals if ANY not in literal.arguments)
 
@@ -101,6 +86,8 @@ class Block:
         anchor: name of the slot whose token identifies a running instance.
         targets: roles for tokens and symbols that the block reads but does not change.
         entry: conditions over roles that must hold when tokens enter the slots.
+        preferences: further static conditions. The planner first looks for a plan in which they hold at each entry, and
+            for a plan without them only if there is none or if tokens wait for each other.
         exit: conditions over roles that must hold when the tokens leave. The exit conditions are also the effects.
         invariants: conditions over roles that must hold as long as an instance runs.
         waived: entry conditions that hold throughout an instance in the forward model, but are not invariants. Maps
@@ -140,6 +127,7 @@ class Block:
     duration: Duration
     targets: tuple[Target, ...] = ()
     entry: tuple[Literal, ...] = ()
+    preferences: tuple[Literal, ...] = ()
     exit: tuple[Literal, ...] = ()
     invariants: tuple[Literal, ...] = ()
     waived: Mapping[Literal, str] = field(default_factory=dict)
@@ -184,7 +172,12 @@ class Block:
         """The declared `system`, or the default system. Nothing moves if the block writes nothing."""
         if self.system is not None:
             return self.system
-        return partial(make_default_system, self) if self.moves else _rest
+        return partial(make_default_system, self) if self.moves else keep_still
+
+    @property
+    def conditions(self) -> tuple[Literal, ...]:
+        """All conditions that the block mentions."""
+        return (*self.entry, *self.preferences, *self.exit, *self.invariants, *self.contact_conditions)
 
     @property
     def others(self) -> tuple[Slot, ...]:

@@ -139,7 +139,7 @@ def _edges(domain: Declarations) -> Iterator[Issue]:
 def _conditions(domain: Declarations) -> Iterator[Issue]:
     known = set(map(id, domain.predicates))
     for block in domain.blocks:
-        for literal in (*block.entry, *block.exit, *block.invariants, *block.contact_conditions):
+        for literal in block.conditions:
             where = f"{block.name}: {literal.text}"
             if id(literal.predicate) not in known:
                 names = tuple(sorted(predicate.name for predicate in domain.predicates))
@@ -150,6 +150,10 @@ def _conditions(domain: Declarations) -> Iterator[Issue]:
                 wanted = "a negative entry condition must use a static predicate"
                 remedy = "declare a predicate with the opposite meaning and use that predicate instead"
                 yield Issue(f"{block.name}: {literal.text}", wanted, remedy=remedy)
+        for literal in block.preferences:
+            if not literal.predicate.static or ANY in literal.arguments:
+                wanted = "a preference must use a static predicate and must not have wildcards"
+                yield Issue(f"{block.name}: {literal.text}", wanted, remedy="declare an entry condition instead")
         for literal in block.invariants:
             if literal.predicate.static or ANY in literal.arguments:
                 wanted = "an invariant must not have wildcards and must not use a static predicate"

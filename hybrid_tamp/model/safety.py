@@ -48,9 +48,14 @@ def use_predicates(block: Block, changed: Mapping[str, Predicate]) -> Block:
         )
 
     # Conditions in `allowed_contacts` are not static, and only static predicates have safety factors.
-    entry, leaving, throughout = map(literals, (block.entry, block.exit, block.invariants))
+    entry, preferred, leaving, throughout = map(
+        literals, (block.entry, block.preferences, block.exit, block.invariants)
+    )
     keeps = tuple(map(of, block.keeps))
-    if (entry, leaving, throughout, keeps) == (block.entry, block.exit, block.invariants, block.keeps):
+    own = (block.entry, block.preferences, block.exit, block.invariants, block.keeps)
+    if (entry, preferred, leaving, throughout, keeps) == own:
         return block
     waived = dict(zip(literals(tuple(block.waived)), block.waived.values(), strict=True))
-    return replace(block, entry=entry, exit=leaving, invariants=throughout, waived=waived, keeps=keeps)
+    return replace(
+        block, entry=entry, preferences=preferred, exit=leaving, invariants=throughout, waived=waived, keeps=keeps
+    )

@@ -38,10 +38,7 @@ def make_domain(
 
 def find_predicates(blocks: Iterable[Block]) -> tuple[Predicate, ...]:
     """Return the predicates of all conditions, in the order of their first mention."""
-    literals = (
-        each for block in blocks for each in (*block.entry, *block.exit, *block.invariants, *block.contact_conditions)
-    )
-    return tuple(dict.fromkeys(literal.predicate for literal in literals))
+    return tuple(dict.fromkeys(literal.predicate for block in blocks for literal in block.conditions))
 
 
 def find_classes(blocks: Iterable[Block]) -> tuple[type[ObjectClass], ...]:

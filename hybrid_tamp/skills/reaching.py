@@ -47,6 +47,7 @@ class ReachGoal:
         entry: conditions that must hold when the reach begins.
         lasting: the entry conditions that must hold until the reach ends.
         arrived: conditions that must hold when the reach ends.
+        preferences: static conditions under which the reach is preferred, see `Block.preferences`.
         hand_class: capability class that a hand needs for the reach.
         orientation: ``orientation(binding, state)`` returns the orientation ``(..., 4)`` of the hand at the goal. None
             if the hand does not turn.
@@ -59,6 +60,7 @@ class ReachGoal:
     entry: tuple[Literal, ...]
     arrived: tuple[Literal, ...]
     lasting: tuple[Literal, ...] = ()
+    preferences: tuple[Literal, ...] = ()
     hand_class: type[StaticEndEffector] = StaticEndEffector
     orientation: Callable[[Binding, State], FloatArray] | None = None
     keeps: tuple[Predicate, ...] = ()
@@ -167,6 +169,7 @@ def make_reaching(
         anchor="hand",
         targets=goal.targets,
         entry=goal.entry,
+        preferences=goal.preferences,
         exit=(*goal.arrived, AT_REST("hand")),
         invariants=(IN_WORKSPACE("hand"), *goal.lasting),
         writes={"hand": MOTION if goal.orientation is None else BODY},

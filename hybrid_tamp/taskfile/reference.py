@@ -132,6 +132,7 @@ def _block(block: Block) -> str:
         *(f"- slot `{slot.name}`: {slot.object_class.name}{_anchor(block, slot.name)}" for slot in block.slots),
         *(f"- target `{target.name}`: {target.sort.name}" for target in block.targets),
         f"- entry: {_conditions(block.entry)}",
+        f"- preferred: {_conditions(block.preferences)}" if block.preferences else "",
         f"- exit: {_conditions(block.exit)}",
         f"- invariants: {_conditions(block.invariants)}" if block.invariants else "",
         f"- may touch: {_contacts(block)}" if block.allowed_contacts else "",

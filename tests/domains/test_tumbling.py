@@ -149,8 +149,8 @@ def test_the_forward_models_bring_about_what_the_blocks_declare_all_through_a_tu
     assert holding(state) == {flat("right")}
 
 
-def test_each_hand_works_on_the_side_where_it_starts() -> None:
-    on_side = DOMAIN.predicate_by_name["on_side"]
+def test_each_hand_prefers_the_side_where_it_starts() -> None:
+    on_side, can_work_at = (DOMAIN.predicate_by_name[name] for name in ("on_side", "can_work_at"))
     left, right = TASK.tokens[0], TASK.tokens[1]
     tipped, back = over("bottom", "right"), over("right", "bottom")
     for face, posture in (("left", flat("bottom")), ("bottom", tipped), ("bottom", back), ("left", tipped)):
@@ -159,6 +159,8 @@ def test_each_hand_works_on_the_side_where_it_starts() -> None:
     for face, posture in (("right", flat("bottom")), ("right", tipped), ("top", back), ("top", tipped)):
         assert on_side.evaluate(TASK.state, right, BOX, face, posture) >= 0
         assert on_side.evaluate(TASK.state, left, BOX, face, posture) < 0
+        assert can_work_at.evaluate(TASK.state, left, BOX, face, posture) >= 0
+    assert can_work_at.evaluate(TASK.state, left, BOX, "front", flat("bottom")) < 0
 
 
 def test_a_hand_that_is_not_parallel_to_an_edge_is_not_aligned() -> None:

@@ -90,13 +90,13 @@ def test_every_route_ends_at_the_face(
 
 def test_a_hand_that_can_turn_works_on_both_sides_but_only_about_edges_that_it_can_turn() -> None:
     """The box is 1.8 times as high as it is wide from the front to the back, and hands turn at most 1.6 times."""
-    on_side, low_enough = (DOMAIN.predicate_by_name[name] for name in ("on_side", "low_enough"))
+    can_work_at, low_enough = (DOMAIN.predicate_by_name[name] for name in ("can_work_at", "low_enough"))
     hand, box = TASK.tokens[0], Token.make("box 1", [Tumblable], BOX | {"half_extents": (0.15, 0.1, 0.18)})
-    able = {face: float(on_side.evaluate(TASK.state, hand, box, face, "flat bottom")) >= 0 for face in SIDES}
+    able = {face: float(can_work_at.evaluate(TASK.state, hand, box, face, "flat bottom")) >= 0 for face in SIDES}
     assert able == {"left": True, "right": True, "front": False, "back": False}
     assert float(low_enough.evaluate(TASK.state, hand, box)) >= 0
-    assert float(on_side.evaluate(TASK.state, hand, box, "bottom", "over bottom right")) >= 0
-    assert float(on_side.evaluate(TASK.state, hand, box, "bottom", "over bottom front")) < 0
+    assert float(can_work_at.evaluate(TASK.state, hand, box, "bottom", "over bottom right")) >= 0
+    assert float(can_work_at.evaluate(TASK.state, hand, box, "bottom", "over bottom front")) < 0
 
 
 def test_hands_that_cannot_turn_are_refused_beyond_six_degrees() -> None:

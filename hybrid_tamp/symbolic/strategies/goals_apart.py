@@ -138,6 +138,7 @@ class _Groups:
     def merge_plans(self, waves: Sequence[Sequence[Share]]) -> list[PlannedAction] | None:
         """Concatenate the best plan of each share. Return None if the result is not a plan of the whole task."""
         merged: list[PlannedAction] = []
+        self._search.waits = len(waves) > 1
         for share in (share for wave in waves for share in wave):
             plans = [plan for order in self._orders(share) if (plan := self.plan_group(order)) is not None]
             if not plans:

@@ -7,16 +7,14 @@ in the whole plan, as long as the makespan improves, up to `MOST_ACTIONS`. Every
 because some conditions depend on the token's position, e.g. its workspace.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-import numpy as np
-
 from hybrid_tamp.model.deadline import NEVER, Deadline
-from hybrid_tamp.model.plan import PlannedAction, TaskPlan
+from hybrid_tamp.model.expectation import Beginning
+from hybrid_tamp.model.plan import BlockInstance, PlannedAction, TaskPlan
 from hybrid_tamp.model.task import Task
-from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.symbolic.decode import NotAPlanError
 from hybrid_tamp.symbolic.encoding.problem import Compilation
 from hybrid_tamp.symbolic.estimates import Estimates
@@ -71,8 +69,8 @@ def swap_tokens(search: Search, best: Candidate) -> Candidate:
     """Return a lawful plan whose movements take less time in total, or the given plan if no swap of tokens helps.
 
     Pairs of interchangeable tokens that both move are swapped in the whole plan, so the number of actions stays the
-    same. Only the first movement of each token then begins elsewhere. So a pair is not tried if the straight lines from
-    the initial positions to the ends of the first movements would become longer.
+    same. Only the first movement of each token then begins elsewhere. A pair is not tried if these two movements would
+    take longer.
 
     Raises:
         LimitReached: If the deadline passes.
@@ -83,38 +81,40 @@ def swap_tokens(search: Search, best: Candidate) -> Candidate:
     groups = [[name for name in group if name in moving] for group in interchangeable(search.task)]
     for pair in [pair for group in groups for pair in combinations(group, 2)]:
         search.deadline.check()
-        if not _may_shorten(_first_ways(search, best.plan), *pair):
-            continue
         one, other = map(compilation.words.name, pair)
         actions = [rename_arguments(action, {one: other, other: one}) for action in best.plan.actions]
         with search.stage("scheduling"):
-            swapped = _schedule(compilation, actions, search.estimates)
+            possible = compilation.reaches_goal(actions) and _may_shorten(search, best.plan, *pair)
+            swapped = _schedule(compilation, actions, search.estimates) if possible else None
         if swapped is not None and _sum_times(swapped) < _sum_times(best.plan) - 1e-6:
             best = search.judge(Candidate(f"{best.way}, {SWAPPED}", swapped)) or best
     return best
 
 
-def _first_ways(search: Search, plan: TaskPlan) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Map each token that moves twice to its initial position and to its expected position after the first movement."""
-    task, states = search.original, predict_states(search.task, plan, search.estimates)
-    moving: dict[str, list[str]] = {}
-    for each in sorted(plan.instances, key=lambda each: (each.start, each.name)):
-        for name in each.slots.values() if each.block != task.domain.resting else ():
-            moving.setdefault(name, []).append(each.name)
-    return {
-        name: (task.state[name, "position"], states[names[1]][name, "position"])
-        for name, names in moving.items()
-        if len(names) > 1 and (name, "position") in task.state.layout.slices
-    }
-
-
-def _may_shorten(ways: Mapping[str, tuple[FloatArray, FloatArray]], one: str, other: str) -> bool:
-    """Return whether a swap of two tokens may shorten their first movements."""
-    if one not in ways or other not in ways:
+def _may_shorten(search: Search, plan: TaskPlan, one: str, other: str) -> bool:
+    """Return whether a swap of two tokens shortens their first movements, according to rollouts of these movements."""
+    task, firsts = search.task, [_first_movement(search, plan, name) for name in (one, other)]
+    if firsts[0] is firsts[1]:
         return True
-    (a, b), (c, d) = ways[one], ways[other]
-    now = np.linalg.norm(b - a) + np.linalg.norm(d - c)
-    return bool(np.linalg.norm(d - a) + np.linalg.norm(b - c) < now)
+    states, swap = predict_states(task, plan, search.estimates), {one: other, other: one}
+    beginnings = []
+    for first in firsts:
+        block, mine = (
+            task.domain.block_by_name[first.block],
+            {swap[name] for name in first.slots.values() if name in swap},
+        )
+        binding = task.bind({role: swap.get(name, name) for role, name in first.roles.items()})
+        waiting = {key: task.state[key] for key in task.state.layout.slices if key[0] in mine}
+        state = states[first.name].replace(waiting)
+        beginnings.append(Beginning(block, binding, state, block.initial_values(binding, state)))
+    swapped = sum(expected.seconds for expected in search.expectations.of(beginnings))
+    return swapped < sum(first.reached - first.start for first in firsts if first.reached is not None)
+
+
+def _first_movement(search: Search, plan: TaskPlan, token: str) -> BlockInstance:
+    resting = search.task.domain.resting
+    moving = [each for each in plan.instances if each.block != resting and token in each.slots.values()]
+    return min(moving, key=lambda each: (each.start, each.name))
 
 
 def _sum_times(plan: TaskPlan) -> float:

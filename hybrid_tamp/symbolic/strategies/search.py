@@ -97,10 +97,10 @@ class Search:
         restore: Function that converts a plan of the task to a plan of the original task.
         expectations: Expectations of instances, which several searches may share.
         stages: Maps each stage to its duration so far [s].
+        waits: Whether helpers served groups of goals one after another.
         deadline: Deadline of the command.
         refusals: Reasons why plans were refused.
-        broken: Feasibility conditions that failed in the predicted states of refused plans, each with its instance in
-            the plan of `task`.
+        broken: Pairs of a feasibility condition that failed in a predicted state, and its instance in a refused plan.
         best: Best lawful plan so far, or None.
     """
 
@@ -121,7 +121,7 @@ class Search:
         self.deadline = deadline or Deadline.after(task.limits.time)
         self.best: Candidate | None = None
         self.stages: defaultdict[str, float] = defaultdict(float)
-        self.refusals: list[str] = []
+        self.waits, self.refusals = False, list[str]()
         self.broken: list[tuple[BrokenCondition, BlockInstance]] = []
         self._began = self._counted = time.monotonic()
         self._open: list[str] = []

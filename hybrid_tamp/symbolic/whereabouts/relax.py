@@ -38,6 +38,7 @@ def relax_task(task: Task, tracking: Tracking) -> Task:
     blocks = tuple(
         replace(
             block,
+            preferences=(),
             entry=tuple(
                 replace(each, predicate=relaxed.get(each.predicate.name, each.predicate))
                 for each in block.entry

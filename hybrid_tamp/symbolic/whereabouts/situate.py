@@ -160,7 +160,13 @@ class _Conversion:
         entry += [self._movement(block, slot, before[slot], after[slot]) for slot in moving]
         exits = (self.whereabouts(slot, after[slot]) for slot in moving)
         targets = (Target(name, Whereabouts, reads=()) for name in (*(before[r] for r in roles), *after.values()))
-        return replace(block, targets=(*block.targets, *targets), entry=tuple(entry), exit=(*block.exit, *exits))
+        return replace(
+            block,
+            targets=(*block.targets, *targets),
+            entry=tuple(entry),
+            preferences=(),
+            exit=(*block.exit, *exits),
+        )
 
     def _condition(
         self, block: Block, literal: Literal, roles: tuple[str, ...], before: dict[str, str]

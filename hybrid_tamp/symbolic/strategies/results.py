@@ -1,10 +1,14 @@
-"""The best result of the alternatives of a goal with a choice."""
+"""Results of searches without a plan, and the best result of the alternatives of a goal with a choice."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 from hybrid_tamp.errors import LimitReached
-from hybrid_tamp.symbolic.strategies.search import SearchResult
+from hybrid_tamp.model.task import Task
+from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
+
+REFUSED = "The plans that were found fail in their predicted states: "
 
 
 def choose_best(found: Sequence[SearchResult], seconds: float, stopped: LimitReached | None) -> SearchResult:
@@ -25,3 +29,16 @@ def choose_best(found: Sequence[SearchResult], seconds: float, stopped: LimitRea
         fewest = "no shorter one found"
     answer = replace(chosen.answer, seconds=seconds)
     return replace(chosen, answer=answer, stages=stages, stopped=stopped, fewest=fewest)
+
+
+def unsolvable(search: Search, task: Task) -> SearchResult:
+    """Return the result of a search that proves that a task has no plan."""
+    answer = PlannerAnswer("unsolvable", (), search.elapsed, task.planner)
+    return SearchResult(answer, None, stages=dict(search.stages), task=task)
+
+
+def not_found(result: SearchResult, refusals: Sequence[str]) -> SearchResult:
+    """Return the result of a search with facts that prove nothing."""
+    said = f"{REFUSED}{'; '.join(dict.fromkeys(refusals))}." if refusals else result.answer.message
+    answer = replace(result.answer, status="not_found", message=said)
+    return replace(result, answer=answer, refusal="")
