@@ -128,7 +128,7 @@ class Push:
             # The hand controls its speed along the line, and its position perpendicular to the line.
             beside = self.beside(binding, state)
             if self.steered:
-                aside, _ = steer(state, thing, origin, axes)
+                aside, _ = steer(state, thing, origin, axes, remaining)
                 aside, across = np.where(dropped | lies_across, 0.0, aside), axes[..., 1, :]
                 beside = beside + (aside - dot(beside - origin, across))[..., None] * across
             if height is not None:  # The hand does not follow an object that falls.
