@@ -113,7 +113,8 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         come, position, velocity, resisting = timetable(elapsed)
-        way_off, drift = steer(state, thing, line, axes)
+        remaining = distance - dot(state[thing, "position"] - line, ahead)
+        way_off, drift = steer(state, thing, line, axes, remaining)
         position = position + come * (way_off[..., None] - beside) * across
         velocity = velocity + come * drift[..., None] * across
         load = Load(resisting, point(state, tool, head))

@@ -13,19 +13,32 @@ from hybrid_tamp.collision.bodies import Body, Pose, bound_distance, find_neares
 from hybrid_tamp.collision.intervals import SHORTEST, Interval, find_radius, find_travelled, halve
 from hybrid_tamp.collision.sweeps import PRECISION, Clearance, Track
 
-_PRECISE = 0.05
-"""Precision of a distance, as a fraction of the distance."""
+_ROUGH = 0.05
+"""Precision with which bodies are compared with each other, as a fraction of the distance."""
 
 
 def find_closest(track: Track, others: Sequence[tuple[Body, Pose]], limit: float = np.inf) -> Clearance | None:
     """Return the least distance of a moving body from bodies at rest, or None if all distances are above the limit.
 
-    The distance is larger than the least one by at most 1 mm or 5 % of the distance, whichever is larger.
+    The distance from the found body is larger than the least one by at most 1 mm. Another body may be nearer by at most
+    1 mm or 5 % of the distance, whichever is larger.
 
     Args:
         track: track of the moving body.
         others: bodies at rest with their poses.
         limit: largest distance of interest [m].
+    """
+    found = _search(track, others, limit, _ROUGH)
+    if found is None or _ROUGH * found.distance <= PRECISION:
+        return found
+    nearest = [(body, pose) for body, pose in others if body.name == found.other]
+    return _search(track, nearest, found.distance, 0.0) or found
+
+
+def _search(track: Track, others: Sequence[tuple[Body, Pose]], limit: float, share: float) -> Clearance | None:
+    """Return a distance below the limit that is nearly the least one, or None if there is none.
+
+    The precision is 1 mm or the given share of the distance, whichever is larger.
     """
     last, travelled = len(track.positions) - 1.0, find_travelled(track)
     best: Clearance | None = None
@@ -51,7 +64,7 @@ def find_closest(track: Track, others: Sequence[tuple[Body, Pose]], limit: float
     while waiting:
         bound, index, interval = heapq.heappop(waiting)
         most = limit if best is None else best.distance
-        if bound >= most - max(PRECISION, _PRECISE * most):
+        if bound >= most - max(PRECISION, share * most):
             break
         around = find_radius(travelled, interval)
         bound = improve(index, sum(interval) / 2.0, around)

@@ -1,5 +1,6 @@
 """The closest pair of bodies in each movement of a plan."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 Point = tuple[float, float, float]
@@ -37,6 +38,11 @@ class ClosestPair:
         return self.distance - self.kept
 
     @property
+    def error(self) -> float:
+        """Difference between the planned and the measured distance [m], not negative. Zero if nothing was measured."""
+        return 0.0 if self.measured is None else abs(self.measured - self.distance)
+
+    @property
     def figure(self) -> str:
         """The distance or the depth, e.g. ``20 mm`` or ``147 mm deep``."""
         return f"{1e3 * abs(self.distance):.0f} mm{' deep' if self.distance < 0 else ''}"
@@ -47,3 +53,9 @@ class ClosestPair:
         if self.distance < 0:
             return f"{self.moving} hits {self.other}, {self.figure}"
         return f"{self.moving} comes within {self.figure} of {self.other}"
+
+
+def find_worst(pairs: Iterable[ClosestPair]) -> ClosestPair | None:
+    """Return the pair whose planned and measured distances differ most, or None if no distance was measured."""
+    measured = (pair for pair in pairs if pair.measured is not None)
+    return max(measured, key=lambda pair: pair.error, default=None)

@@ -25,6 +25,9 @@ from hybrid_tamp.skills.classes import can_turn
 from hybrid_tamp.skills.servos import TurnReference
 from hybrid_tamp.skills.vectors import dot, norm, z_axis
 
+ALIGNED = float(np.radians(6.0))
+"""Largest angle between the axis of a hand that can turn and the line along which the hand lies [rad]."""
+
 
 def nearer_direction(state: State, hand: Token, along: FloatArray) -> FloatArray:
     """Return the unit vector ``(..., 3)`` along a line, or its opposite if this is nearer to the axis of the hand."""

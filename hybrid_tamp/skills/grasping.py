@@ -14,7 +14,7 @@ from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.skills.extents import height_below
-from hybrid_tamp.skills.gripping import Grip
+from hybrid_tamp.skills.gripping import ACROSS, Grip
 from hybrid_tamp.skills.handles import (
     beside_handle,
     handle_length,
@@ -68,6 +68,7 @@ def _reach(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> ReachGoa
         arrived=(grip.at_handle("hand", grip.role),),
         lasting=still,
         hand_class=grip.hand,
+        orientation=lambda binding, state: ACROSS.orientation(state, *get_tokens(binding, "hand", grip.role)),
         # Only an empty hand can reach, so no hand leaves an object behind.
         keeps=(grip.held,),
     )

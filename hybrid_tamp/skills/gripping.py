@@ -13,6 +13,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.skills.alignment import ALIGNED, Alignment
 from hybrid_tamp.skills.facts import within_reach
 from hybrid_tamp.skills.grippers import Graspable, Gripper
 from hybrid_tamp.skills.handles import (
@@ -21,6 +22,7 @@ from hybrid_tamp.skills.handles import (
     least_extent,
     lowest_grasp,
     off_handle,
+    side,
 )
 from hybrid_tamp.skills.predicates import at_place, competence, length_predicate, physical_bound
 from hybrid_tamp.skills.roles import POSE
@@ -30,6 +32,11 @@ _OPEN = 0.7
 """Smallest ratio of the gap between an empty hand's fingers to the largest gap."""
 _FINGER_TOLERANCE = 1e-4
 _BESIDE_TOLERANCE = 0.02
+ACROSS = Alignment(lambda state, hand, thing: side(state, thing), ALIGNED)
+"""A hand lies across the handle and across the direction in which the fingers close.
+
+So the hand has the same extent ahead of the object in every grasp, whatever its initial orientation.
+"""
 HANDLE_ENDS = ("handle_from", "handle_to")
 """Names of the properties for the ends of a handle."""
 
@@ -62,7 +69,8 @@ class Grip:
             self._both,
             _BESIDE_TOLERANCE,
             beside_handle,
-            reads={"hand": ("position",), self.role: POSE},
+            ACROSS,
+            reads={"hand": POSE, self.role: POSE},
             description=self._say("{hand} is beside the handle of {object}"),
             denial=self._say("{hand} is not beside the handle of {object}"),
         )

@@ -17,6 +17,11 @@ from hybrid_tamp.skills.vectors import dot, in_body, norm, point, unit
 
 _BESIDE = 0.09
 """Distance between a handle and a hand that waits before or after a grasp [m]."""
+_ON_OTHER_SIDE = _BESIDE / 2.0
+"""Least distance from the handle at which a hand waits on the side towards -y [m].
+
+A hand that holds the handle is nearer, so the error of a servo never decides on which side the hand leaves the handle.
+"""
 _X, _Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 _RIGHT, _AHEAD_OF_SIDE = np.array([1, 0, 2]), np.array([1.0, -1.0, 0.0])
 """Indices and signs of the components in the cross product of a vector and `UP`."""
@@ -56,8 +61,11 @@ def off_handle(state: State, hand: Token, thing: Token) -> FloatArray:
 
 
 def beside_handle(state: State, hand: Token, thing: Token) -> FloatArray:
-    """Return the waiting position ``(..., 3)`` [m] of a hand beside the middle of a handle, on the hand's side."""
-    aside = np.where(hand_in(state, hand, thing)[..., 1] < 0, -_BESIDE, _BESIDE)
+    """Return the waiting position ``(..., 3)`` [m] of a hand beside the middle of a handle, on the hand's side.
+
+    For a hand near the handle, this is the side towards the y axis of the object.
+    """
+    aside = np.where(hand_in(state, hand, thing)[..., 1] < -_ON_OTHER_SIDE, -_BESIDE, _BESIDE)
     middle = on_handle(thing, handle_length(thing) / 2)
     return point(state, thing, middle + aside[..., None] * _Y)
 

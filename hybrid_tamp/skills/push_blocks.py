@@ -11,11 +11,11 @@ from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.predicate import ANY, Binding, Literal, Parameter, Predicate, SymbolSort, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.skills.alignment import Alignment
+from hybrid_tamp.skills.alignment import ALIGNED, Alignment
 from hybrid_tamp.skills.classes import Container, StaticEndEffector
 from hybrid_tamp.skills.facts import within_reach
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, at_place, physical_bound
-from hybrid_tamp.skills.pushing import ALIGNED, Push
+from hybrid_tamp.skills.pushing import Push
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
 from hybrid_tamp.skills.roles import BODY, MOTION, POSE, get_token
 

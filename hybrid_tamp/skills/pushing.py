@@ -17,7 +17,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
 from hybrid_tamp.motion.poses import cross, integrate, rotate
-from hybrid_tamp.skills.alignment import Alignment
+from hybrid_tamp.skills.alignment import ALIGNED, Alignment
 from hybrid_tamp.skills.classes import can_turn
 from hybrid_tamp.skills.extents import height_below
 from hybrid_tamp.skills.roles import get_token
@@ -29,8 +29,6 @@ STANDOFF = 0.03
 """Gap between an object and a hand in its standby position [m]."""
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
-ALIGNED = float(np.radians(6.0))
-"""Largest angle between the axis of a hand that can turn and the horizontal across the push [rad]."""
 _SPEED_RATE = 200.0
 """Rate at which the hand's speed converges to the wanted speed [1/s]."""
 
@@ -130,7 +128,7 @@ class Push:
             # The hand controls its speed along the line, and its position perpendicular to the line.
             beside = self.beside(binding, state)
             if self.steered:
-                aside, _ = steer(state, thing, origin, axes)
+                aside, _ = steer(state, thing, origin, axes, remaining)
                 aside, across = np.where(dropped | lies_across, 0.0, aside), axes[..., 1, :]
                 beside = beside + (aside - dot(beside - origin, across))[..., None] * across
             if height is not None:  # The hand does not follow an object that falls.

@@ -5,7 +5,7 @@ import pytest
 
 from hybrid_tamp.collision.bodies import Body, Pose, find_nearest
 from hybrid_tamp.collision.closest import find_closest
-from hybrid_tamp.collision.sweeps import Track
+from hybrid_tamp.collision.sweeps import PRECISION, Track, find_clearance
 from hybrid_tamp.geometry.shapes import Box, Cylinder
 from hybrid_tamp.motion.poses import quaternion_from_axis_angle, quaternion_from_rpy, quaternion_multiply
 
@@ -30,6 +30,10 @@ def test_the_closest_body_agrees_with_dense_samples(seed: int) -> None:
         for phase in np.linspace(0.0, 3.0, 200).tolist()
         for other in others
     )
+    single = [each for each in others if each[0].name == found.other]
+    exact = find_clearance([track], single, precision=1e-5)
+    assert exact is not None
+    assert found.distance <= exact.distance + PRECISION + 1e-5
     if sampled > 0:
         assert sampled - max(2e-3, 0.06 * sampled) <= found.distance <= sampled + max(1e-3, 0.05 * sampled)
     else:

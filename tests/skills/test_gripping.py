@@ -7,17 +7,24 @@ import numpy as np
 import pytest
 
 import hybrid_tamp
+from hybrid_tamp.model.grasp import CAPTURE
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.constants import GRAVITY
+from hybrid_tamp.motion.poses import quaternion_from_rpy, rotate
 from hybrid_tamp.skills import (
+    UP,
     HeldBody,
     Load,
     attitude,
+    beside_handle,
+    handle_length,
+    in_body,
     lean,
     on_handle,
     point,
     pose_held,
+    side,
     stand_at,
     standing_height,
     stands_on,
@@ -121,3 +128,31 @@ def test_a_hand_grasps_a_low_handle_high_enough_or_not_at_all(low: float, high: 
     assert margin == pytest.approx(high - HAND["radius"] - 0.005, abs=1e-9)
     chosen = float(block.initial_values(binding, TASK.state)["grasp_location"])
     assert low + chosen == pytest.approx(min(high, HAND["radius"] + 0.005), abs=1e-9)
+
+
+def beside(y: float) -> float:
+    """Return how far aside a hand waits that is at ``y`` in the body frame of the mug [m]."""
+    middle = on_handle(MUG, handle_length(MUG) / 2.0)
+    state = TASK.state.replace({("hand", "position"): point(TASK.state, MUG, middle + np.array([0.0, y, 0.0]))})
+    return float(in_body(state, MUG, beside_handle(state, HAND, MUG))[1])
+
+
+def test_a_hand_waits_on_its_side_of_the_handle_and_noise_decides_nothing() -> None:
+    assert beside(-0.2) == pytest.approx(-beside(0.2))
+    assert beside(0.2) > 0.0
+    # A hand that holds the handle is off its middle by the error of the servo, in physics not as in the forward model.
+    assert beside(-CAPTURE) == beside(-1e-4) == beside(1e-4) == beside(0.2)
+    # A hand that waits beside the handle stays there.
+    assert beside(beside(-0.2) + 0.02) == beside(-0.2)
+
+
+@pytest.mark.parametrize("degrees", [-170.0, -60.0, 20.0, 45.0])
+def test_a_hand_that_arrives_at_a_handle_lies_across_it(degrees: float) -> None:
+    turned = quaternion_from_rpy((np.pi / 2, 0.0, np.radians(degrees)))
+    start = TASK.state.replace({("hand", "orientation"): turned})
+    binding = TASK.bind({"hand": "hand", "object": "mug", "surface": "table"})
+    after = TASK.domain.block_by_name["REACHING:handle"].outcome(binding, start)
+    assert abs(float(side(after, MUG) @ rotate(after[HAND, "orientation"], UP))) == pytest.approx(1.0)
+    at_handle = TASK.domain.predicate_by_name["at_handle"]
+    assert float(at_handle.margin(after, HAND, MUG)) > 0.0
+    assert float(at_handle.margin(after.replace({("hand", "orientation"): turned}), HAND, MUG)) < 0.0
