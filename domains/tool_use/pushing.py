@@ -14,6 +14,7 @@ from hybrid_tamp.authoring import (
     Block,
     Commands,
     ContinuousSystem,
+    Course,
     Duration,
     FloatArray,
     Hyperparameter,
@@ -47,6 +48,7 @@ from hybrid_tamp.skills import (
     knocked,
     norm,
     point,
+    pose_held,
     side,
     steer,
     straight_profile,
@@ -120,6 +122,20 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         return held.servo(state, (position, velocity), (upright, still), load)
 
     return policy
+
+
+def _sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
+    """Return the course: the tool moves until it touches the object, and then moves on with the object."""
+    hand, tool, thing, region = _roles(binding)
+    ahead, _ = way(start, thing, region)
+    beside = dot(point(start, tool, np.asarray(tool["pushing_point"])) - start[thing, "position"], cross(UP, ahead))
+    came = _gap(start, tool, thing, ahead) * ahead - beside * cross(UP, ahead)
+    pushed = _distance(binding, start, parameters.hyperparameters) * ahead
+    still, upright = np.zeros(3), attitude(np.arctan2(ahead[1], ahead[0]), np.asarray(0.0))
+    places = start[hand, "position"] + np.array([still, came, came + pushed])
+    values = pose_held(start, hand, tool, places, np.array([start[tool, "orientation"], upright, upright]))
+    values[thing.name, "position"] = start[thing, "position"] + np.array([still, still, pushed])
+    return Course.through(start, values, (0, 1, 2))
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
@@ -205,6 +221,7 @@ PUSHING = Block(
     ),
     duration=Duration(_APPROACH, 40.0),
     policy=_policy,
+    sweep=_sweep,
     system=_system,
     performance=(
         Measure(

@@ -11,15 +11,9 @@ from typing import Any
 
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.authored import authored
-from hybrid_tamp.model.control import (
-    Commands,
-    ContinuousSystem,
-    Hyperparameter,
-    Hyperparameters,
-    PolicyMaker,
-    SystemMaker,
-)
-from hybrid_tamp.model.default_system import make_default_system
+from hybrid_tamp.model.control import Hyperparameter, Hyperparameters, PolicyMaker, SystemMaker
+from hybrid_tamp.model.course import SweepMaker
+from hybrid_tamp.model.default_system import keep_still, make_default_system
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
@@ -76,14 +70,6 @@ Outcome = Callable[[Binding, State], State]
 """Pure function ``outcome(binding, state)`` that returns the expected state at the end of an instance."""
 
 
-def _rest(binding: Binding, start: State) -> ContinuousSystem:
-    return _stay
-
-
-def _stay(state: State, commands: Commands, dt: float) -> State:
-    return state
-
-
 def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
     return tuple(literal for literal in literals if ANY not in literal.arguments)
 
@@ -127,6 +113,8 @@ class Block:
         movement: movement that the motor primitive represents, or None.
         path: slot whose token follows `Parameters.path`, a path of the token's position, if the plan gives one. None if
             the policy ignores paths.
+        sweep: function ``sweep(binding, start, parameters)`` that returns the `Course` of an instance, i.e. the poses
+            along its reference of all tokens that the block moves. If None, only a rollout tells these poses.
         straight: maps slots whose tokens always move straight to functions ``direction(binding, start)``, which return
             the unit vector ``(3,)`` of the movement. Proofs that a body blocks the movement use these directions.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
@@ -156,6 +144,7 @@ class Block:
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None
     path: str | None = None
+    sweep: SweepMaker | None = None
     straight: Mapping[str, Callable[[Binding, State], FloatArray]] = field(default_factory=dict)
     outcome: Outcome | None = None
     description: str = ""
@@ -184,7 +173,7 @@ class Block:
         """The declared `system`, or the default system. Nothing moves if the block writes nothing."""
         if self.system is not None:
             return self.system
-        return partial(make_default_system, self) if self.moves else _rest
+        return partial(make_default_system, self) if self.moves else keep_still
 
     @property
     def others(self) -> tuple[Slot, ...]:

@@ -107,6 +107,7 @@ from hybrid_tamp.skills.pressing import make_pressing as make_pressing
 from hybrid_tamp.skills.pressing import meet_face as meet_face
 from hybrid_tamp.skills.pressing import press as press
 from hybrid_tamp.skills.pressing import squeezing as squeezing
+from hybrid_tamp.skills.pressing import sweep_pressed as sweep_pressed
 from hybrid_tamp.skills.pressing import touches_face as touches_face
 from hybrid_tamp.skills.primitives import advance as advance
 from hybrid_tamp.skills.primitives import demonstrated_reach as demonstrated_reach
