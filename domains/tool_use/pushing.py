@@ -48,10 +48,10 @@ from hybrid_tamp.skills import (
     knocked,
     norm,
     point,
-    pose_held,
     side,
     steer,
     straight_profile,
+    sweep_held,
 )
 
 from .classes import DexterousHand, Pushable, Pusher
@@ -63,6 +63,8 @@ _APPROACH = 0.8
 """Time until the tool touches the object [s]."""
 _SHORTEST = 1.0
 """Shortest duration of a push [s]."""
+_ASIDE = 0.01
+"""Largest distance from the planned line while the tool steers an object that drifts off [m]."""
 _CREEP = 0.01
 """Smallest speed at which the policy compensates the full friction force [m/s]."""
 _TOUCH = 1e-6
@@ -133,9 +135,9 @@ def _sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
     pushed = _distance(binding, start, parameters.hyperparameters) * ahead
     still, upright = np.zeros(3), attitude(np.arctan2(ahead[1], ahead[0]), np.asarray(0.0))
     places = start[hand, "position"] + np.array([still, came, came + pushed])
-    values = pose_held(start, hand, tool, places, np.array([start[tool, "orientation"], upright, upright]))
+    values = sweep_held(start, hand, tool, places, np.array([start[tool, "orientation"], upright, upright]))
     values[thing.name, "position"] = start[thing, "position"] + np.array([still, still, pushed])
-    return Course.through(start, values, (0, 1, 2))
+    return Course.through(start, values, (0, 1, 2), _ASIDE)
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:

@@ -28,7 +28,7 @@ def may_come_near(one: Track, other: Track, within: float) -> bool:
     Args:
         one: track of a body.
         other: track of another body. A body at rest has a single pose.
-        within: the distance [m].
+        within: the distance [m]. Above `bounds.FAR`, the answer is yes more often than necessary.
     """
     mine, theirs = _Spans.of(one), _Spans.of(other)
     rows, columns = np.nonzero(_bound_by_balls(mine, theirs) < within + one.body.reach + other.body.reach)

@@ -11,7 +11,7 @@ from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 
 ALLOWANCE = 5e-3
-"""Largest distance of a point of a body in a rollout from its place in the course [m]."""
+"""Default allowance of a course [m]."""
 _SPACING = 8 * CONTROL_PERIOD
 """Usual time between two states of a course [s]."""
 
@@ -25,14 +25,20 @@ class Course:
     Attributes:
         states: states of the instance's tokens from the start to the expected end, at least one. Shape ``(k,)``.
         keys: rows of the states with poses that matter by themselves, e.g. those in which contacts begin or end.
+        allowance: largest distance of a point of a body in a rollout from its place in the nearest state [m].
     """
 
     states: State
     keys: tuple[int, ...] = (0, -1)
+    allowance: float = ALLOWANCE
 
     @classmethod
     def through(
-        cls, start: State, values: Mapping[tuple[str, str], FloatArray], keys: tuple[int, ...] = (0, -1)
+        cls,
+        start: State,
+        values: Mapping[tuple[str, str], FloatArray],
+        keys: tuple[int, ...] = (0, -1),
+        allowance: float = ALLOWANCE,
     ) -> "Course":
         """Return the course in which only some properties change.
 
@@ -40,9 +46,10 @@ class Course:
             start: state at the beginning, without batch dimensions.
             values: maps pairs of (token, property) to the values of the property along the course, shape ``(k, ...)``.
             keys: see `Course`.
+            allowance: see `Course`.
         """
         count = max(len(each) for each in values.values())
-        return cls(start.repeated(count).replace(values), keys)
+        return cls(start.repeated(count).replace(values), keys, allowance)
 
     @property
     def key_poses(self) -> State:

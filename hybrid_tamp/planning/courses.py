@@ -1,11 +1,12 @@
 """Comparison of the movements of a plan without a rollout: the courses that its blocks declare.
 
-The end of one instance's course gives the poses at which the next one begins. A rollout stays within `ALLOWANCE` of the
-courses. So if no course comes nearer to a body than this, a rollout cannot hit anything, and nothing else is necessary.
+The end of one instance's course gives the poses at which the next one begins. A rollout stays within the allowances of
+the courses. So if no course comes nearer to a body, a rollout cannot hit anything, and nothing else is necessary.
 """
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from hybrid_tamp.collision.nearness import find_parted, may_come_near
 from hybrid_tamp.collision.sweeps import Track
 from hybrid_tamp.midlevel.predictions import Trace
 from hybrid_tamp.model.control import Parameters
-from hybrid_tamp.model.course import ALLOWANCE, Course
+from hybrid_tamp.model.course import Course
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.expectation import declared_course
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -44,18 +45,27 @@ def may_collide(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> bool:
         DomainError: a function of the domain raised an exception, or returned a result of the wrong shape.
         LimitReached: the deadline passes.
     """
-    traces = follow_courses(task, plan)
-    if traces is None:
+    courses = follow_courses(task, plan)
+    if courses is None:
         return True
-    movements = list(find_sweeps(task, plan, traces, deadline, every=1))
-    return (
-        find_overhang(task, movements, ALLOWANCE) is not None
-        or any(_is_near_bodies(each) for each in movements)
-        or _may_meet(task, plan, movements)
+    traces = {name: each.trace for name, each in courses.items()}
+    movements = [
+        (movement, courses[movement.instance.name].allowance)
+        for movement in find_sweeps(task, plan, traces, deadline, every=1)
+    ]
+    return any(_leaves_table(task, *each) or _is_near_bodies(*each) for each in movements) or _may_meet(
+        task, plan, movements
     )
 
 
-def follow_courses(task: Task, plan: TaskPlan) -> dict[str, Trace] | None:
+class Followed(NamedTuple):
+    """The course of an instance of a plan, with the state of all tokens at its start, and its allowance [m]."""
+
+    trace: Trace
+    allowance: float
+
+
+def follow_courses(task: Task, plan: TaskPlan) -> dict[str, Followed] | None:
     """Return the courses of all instances that move tokens, or None if a block declares none.
 
     Raises:
@@ -65,7 +75,7 @@ def follow_courses(task: Task, plan: TaskPlan) -> dict[str, Trace] | None:
     events = [initial(plan), *(event.starting for event in reassignments(task, plan))]
     if not all(chain.begin(starting) for starting in events):
         return None
-    return chain.traces
+    return chain.courses
 
 
 class _Chain:
@@ -73,7 +83,7 @@ class _Chain:
 
     def __init__(self, task: Task, plan: TaskPlan) -> None:
         self.task, self.plan = task, plan
-        self.traces: dict[str, Trace] = {}
+        self.courses: dict[str, Followed] = {}
         self._now = task.state
         self._coming: dict[str, tuple[BlockInstance, State]] = {}
 
@@ -89,7 +99,7 @@ class _Chain:
             if course is None:
                 return False
             if self.task.domain.block_by_name[each.block].moves:
-                self.traces[each.name] = Trace(course.states, self._now)
+                self.courses[each.name] = Followed(Trace(course.states, self._now), course.allowance)
                 self._coming[each.name] = each, course.end
         return True
 
@@ -115,17 +125,20 @@ class _Chain:
         return declared_course(block, binding, start, Parameters.along(instance.path, chosen))
 
 
-def _is_near_bodies(movement: Sweep) -> bool:
+def _leaves_table(task: Task, movement: Sweep, allowance: float) -> bool:
+    return find_overhang(task, [movement], allowance) is not None
+
+
+def _is_near_bodies(movement: Sweep, allowance: float) -> bool:
     """Return whether a course comes near a body at rest. Bodies that touch at the start may part."""
     return any(
-        _is_near(track, each)
+        _is_near(track, each, each.kept + allowance)
         for track, neighbours in zip(movement.tracks, movement.neighbours, strict=True)
         for each in neighbours
     )
 
 
-def _is_near(track: Track, other: Neighbour) -> bool:
-    within = other.kept + ALLOWANCE
+def _is_near(track: Track, other: Neighbour, within: float) -> bool:
     if track.bound_distance(other.body, other.pose) >= within:
         return False
     still = Track(other.body, other.pose.position[None], other.pose.orientation[None])
@@ -133,12 +146,12 @@ def _is_near(track: Track, other: Neighbour) -> bool:
     return parted < 0 or may_come_near(track.beginning_at(parted), still, within)
 
 
-def _may_meet(task: Task, plan: TaskPlan, movements: Sequence[Sweep]) -> bool:
+def _may_meet(task: Task, plan: TaskPlan, movements: Sequence[tuple[Sweep, float]]) -> bool:
     """Return whether two movements may meet, in any timing that the order of the reassignments allows."""
     precedence = Precedence(task, plan)
     return any(
-        may_come_near(mine, theirs, 2.0 * ALLOWANCE)
-        for one, other in combinations(movements, 2)
+        may_come_near(mine, theirs, allowance + others)
+        for (one, allowance), (other, others) in combinations(movements, 2)
         if precedence.may_overlap(one.instance, other.instance)
         for mine, theirs in compared_tracks(task, one, other)
     )

@@ -77,6 +77,7 @@ from hybrid_tamp.skills.holding import Load as Load
 from hybrid_tamp.skills.holding import held_system as held_system
 from hybrid_tamp.skills.holding import keep_on as keep_on
 from hybrid_tamp.skills.holding import pose_held as pose_held
+from hybrid_tamp.skills.holding import sweep_held as sweep_held
 from hybrid_tamp.skills.knocks import Changes as Changes
 from hybrid_tamp.skills.knocks import Mass as Mass
 from hybrid_tamp.skills.knocks import effective_mass as effective_mass

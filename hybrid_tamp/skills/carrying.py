@@ -19,7 +19,7 @@ from hybrid_tamp.skills.extents import top_of
 from hybrid_tamp.skills.grippers import Graspable
 from hybrid_tamp.skills.gripping import HANDLE_ENDS, Grip
 from hybrid_tamp.skills.handles import attitude, hand_in, lean, side, standing_height, yaw
-from hybrid_tamp.skills.holding import HeldBody, held_system, pose_held
+from hybrid_tamp.skills.holding import HeldBody, held_system, pose_held, sweep_held
 from hybrid_tamp.skills.paths import follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence
 from hybrid_tamp.skills.primitives import advance, reach_over, straight_profile
@@ -200,7 +200,7 @@ def _sweep(goal: Goal, role: str) -> SweepMaker:
         hand, thing = get_tokens(binding, "hand", role)
         reference, duration = _plan(goal, role, binding, start, parameters)
         places, _, attitudes, *_ = reference(sample_times(duration))
-        return Course.through(start, pose_held(start, hand, thing, places, attitudes))
+        return Course.through(start, sweep_held(start, hand, thing, places, attitudes))
 
     return sweep
 
