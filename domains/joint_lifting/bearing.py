@@ -80,10 +80,11 @@ def sweep_bearing(
     """Return the course of all hands and of the box, which moves as planned."""
     roles = Roles.of(crew, binding)
     plan = make_plan(roles, profile, binding, start, parameters)
-    closed, closing, grip, _, moved, moving = plan.course(sample_times(plan.duration))
+    times = sample_times(plan.duration)
+    closed, closing, grip, _, moved, moving = plan.course(times)
     upright = {hand: VERTICAL.orientation(start, hand) for hand, _ in roles.hands}
     planned = Pressure(closed, closing, grip, moved, moving)
-    return sweep_pressed(roles.contacts, roles.thing, start, plan.gaps, planned, orientations=upright)
+    return sweep_pressed(roles.contacts, roles.thing, start, plan.gaps, times, planned, orientations=upright)
 
 
 def bear(

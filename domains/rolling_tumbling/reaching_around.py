@@ -156,7 +156,8 @@ def _sweep(primitive: DMP | None, binding: Binding, start: State, parameters: Pa
     times = sample_times(plan.duration)
     position = plan.reference(times)[0]
     clear = np.where(plan.below, position, above_ground(hand, thing, position))
-    return Course.through(start, {(hand.name, "position"): clear, (hand.name, "orientation"): plan.turn(times)[0]})
+    moved = {(hand.name, "position"): clear, (hand.name, "orientation"): plan.turn(times)[0]}
+    return Course.through(start, moved, times=times)
 
 
 def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:

@@ -135,10 +135,12 @@ def sweep_turning(binding: Binding, start: State, parameters: Parameters, profil
     thing, contacts = roles.thing, roles.contacts
     pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
     reference, duration = _plan(roles, start, parameters, profile)
-    closed, closing, _, angle, _ = reference(sample_times(CLOSING + duration))
+    times = sample_times(CLOSING + duration)
+    closed, closing, _, angle, _ = reference(times)
     planned = Pressure(closed, closing, closed, pivot, turned=quaternion_from_axis_angle(axis, angle))
     parallel = {hand: ALIGNMENT.orientation(start, hand, thing, face) for hand, face in contacts}
-    return sweep_pressed(contacts, thing, start, gaps_to_faces(contacts, thing, start), planned, pivot, parallel)
+    gaps = gaps_to_faces(contacts, thing, start)
+    return sweep_pressed(contacts, thing, start, gaps, times, planned, pivot, parallel)
 
 
 def keep_parallel(policy: Policy, contacts: Sequence[tuple[Token, str]], thing: Token, start: State) -> Policy:

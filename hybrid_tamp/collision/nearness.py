@@ -22,16 +22,19 @@ _NEARER = 1e-3
 """Amount by which bodies may come nearer than at the start before they part [m]."""
 
 
-def may_come_near(one: Track, other: Track, within: float) -> bool:
+def may_come_near(one: Track, other: Track, within: float, compared: BoolArray | None = None) -> bool:
     """Return whether two bodies may come nearer to each other than a distance, at any two phases of their tracks.
 
     Args:
         one: track of a body.
         other: track of another body. A body at rest has a single pose.
         within: the distance [m]. Above `bounds.FAR`, the answer is yes more often than necessary.
+        compared: which pairs of intervals between two poses count, shape ``(k, n)``. All pairs if None. The only pose
+            of a body at rest counts as one interval.
     """
     mine, theirs = _Spans.of(one), _Spans.of(other)
-    rows, columns = np.nonzero(_bound_by_balls(mine, theirs) < within + one.body.reach + other.body.reach)
+    close = _bound_by_balls(mine, theirs) < within + one.body.reach + other.body.reach
+    rows, columns = np.nonzero(close if compared is None else close & compared)
     mine, theirs = mine.at(rows), theirs.at(columns)
     while len(mine.radius):
         if len(mine.radius) > _MOST:
@@ -54,14 +57,14 @@ def find_parted(track: Track, other: Track, within: float) -> int:
 
     Args:
         track: track of a body.
-        other: track of another body, of which the first pose is used.
+        other: track of another body with as many poses, which are passed at the same times, or with a single pose.
         within: distance from which on the bodies are apart [m].
 
     Returns:
         The index of the pose. -1 if the bodies come nearer than at the start first, or never part.
     """
     count = len(track.positions)
-    there = Poses(*(np.repeat(each[:1], count, axis=0) for each in (other.positions, other.orientations)))
+    there = Poses(np.broadcast_to(other.positions, (count, 3)), np.broadcast_to(other.orientations, (count, 4)))
     bounds = bound_distances(track.body.shape, Poses(track.positions, track.orientations), other.body.shape, there)
     apart = np.flatnonzero(bounds >= within)
     parted = int(apart[0]) if len(apart) else -1

@@ -12,6 +12,8 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 ALLOWANCE = 5e-3
 """Default allowance of a course [m]."""
+SKEW = 0.1
+"""Largest difference between the times of a pose in a rollout and in a course with times [s]."""
 _SPACING = 8 * CONTROL_PERIOD
 """Usual time between two states of a course [s]."""
 
@@ -20,17 +22,20 @@ _SPACING = 8 * CONTROL_PERIOD
 class Course:
     """The states that an instance passes if nothing disturbs it, in order. Between two states, poses change uniformly.
 
-    A course says where the tokens move, and not when. Only the poses matter.
+    Only the poses matter.
 
     Attributes:
         states: states of the instance's tokens from the start to the expected end, at least one. Shape ``(k,)``.
         keys: rows of the states with poses that matter by themselves, e.g. those in which contacts begin or end.
         allowance: largest distance of a point of a body in a rollout from its place in the nearest state [m].
+        times: elapsed times of the states [s], shape ``(k,)``. A rollout reaches each pose up to `SKEW` earlier or
+            later. If None, the course says only where the tokens move, and not when.
     """
 
     states: State
     keys: tuple[int, ...] = (0, -1)
     allowance: float = ALLOWANCE
+    times: FloatArray | None = None
 
     @classmethod
     def through(
@@ -39,6 +44,7 @@ class Course:
         values: Mapping[tuple[str, str], FloatArray],
         keys: tuple[int, ...] = (0, -1),
         allowance: float = ALLOWANCE,
+        times: FloatArray | None = None,
     ) -> "Course":
         """Return the course in which only some properties change.
 
@@ -47,9 +53,10 @@ class Course:
             values: maps pairs of (token, property) to the values of the property along the course, shape ``(k, ...)``.
             keys: see `Course`.
             allowance: see `Course`.
+            times: see `Course`.
         """
         count = max(len(each) for each in values.values())
-        return cls(start.repeated(count).replace(values), keys, allowance)
+        return cls(start.repeated(count).replace(values), keys, allowance, times)
 
     @property
     def key_poses(self) -> State:

@@ -14,7 +14,7 @@ from hybrid_tamp.collision.nearness import find_parted, may_come_near
 from hybrid_tamp.collision.sweeps import Track
 from hybrid_tamp.midlevel.predictions import Trace
 from hybrid_tamp.model.control import Parameters
-from hybrid_tamp.model.course import Course
+from hybrid_tamp.model.course import SKEW, Course
 from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.expectation import declared_course
 from hybrid_tamp.model.plan import BlockInstance, TaskPlan
@@ -48,9 +48,9 @@ def may_collide(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> bool:
     courses = follow_courses(task, plan)
     if courses is None:
         return True
-    traces = {name: each.trace for name, each in courses.items()}
+    traces = {name: Trace(each.course.states, each.world) for name, each in courses.items()}
     movements = [
-        (movement, courses[movement.instance.name].allowance)
+        (movement, courses[movement.instance.name].course)
         for movement in find_sweeps(task, plan, traces, deadline, every=1)
     ]
     return any(_leaves_table(task, *each) or _is_near_bodies(*each) for each in movements) or _may_meet(
@@ -59,10 +59,10 @@ def may_collide(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> bool:
 
 
 class Followed(NamedTuple):
-    """The course of an instance of a plan, with the state of all tokens at its start, and its allowance [m]."""
+    """The course of an instance of a plan, and the state of all tokens at its start, without batch dimensions."""
 
-    trace: Trace
-    allowance: float
+    course: Course
+    world: State
 
 
 def follow_courses(task: Task, plan: TaskPlan) -> dict[str, Followed] | None:
@@ -99,7 +99,7 @@ class _Chain:
             if course is None:
                 return False
             if self.task.domain.block_by_name[each.block].moves:
-                self.courses[each.name] = Followed(Trace(course.states, self._now), course.allowance)
+                self.courses[each.name] = Followed(course, self._now)
                 self._coming[each.name] = each, course.end
         return True
 
@@ -125,14 +125,14 @@ class _Chain:
         return declared_course(block, binding, start, Parameters.along(instance.path, chosen))
 
 
-def _leaves_table(task: Task, movement: Sweep, allowance: float) -> bool:
-    return find_overhang(task, [movement], allowance) is not None
+def _leaves_table(task: Task, movement: Sweep, course: Course) -> bool:
+    return find_overhang(task, [movement], course.allowance) is not None
 
 
-def _is_near_bodies(movement: Sweep, allowance: float) -> bool:
+def _is_near_bodies(movement: Sweep, course: Course) -> bool:
     """Return whether a course comes near a body at rest. Bodies that touch at the start may part."""
     return any(
-        _is_near(track, each, each.kept + allowance)
+        _is_near(track, each, each.kept + course.allowance)
         for track, neighbours in zip(movement.tracks, movement.neighbours, strict=True)
         for each in neighbours
     )
@@ -146,12 +146,42 @@ def _is_near(track: Track, other: Neighbour, within: float) -> bool:
     return parted < 0 or may_come_near(track.beginning_at(parted), still, within)
 
 
-def _may_meet(task: Task, plan: TaskPlan, movements: Sequence[tuple[Sweep, float]]) -> bool:
-    """Return whether two movements may meet, in any timing that the order of the reassignments allows."""
+def _may_meet(task: Task, plan: TaskPlan, movements: Sequence[tuple[Sweep, Course]]) -> bool:
+    """Return whether two movements may meet.
+
+    Movements that start in one reassignment keep their timing if it is known. All others may have any timing that the
+    order of the reassignments allows.
+    """
     precedence = Precedence(task, plan)
-    return any(
-        may_come_near(mine, theirs, allowance + others)
-        for (one, allowance), (other, others) in combinations(movements, 2)
-        if precedence.may_overlap(one.instance, other.instance)
-        for mine, theirs in compared_tracks(task, one, other)
+    for (one, mine), (other, theirs) in combinations(movements, 2):
+        if precedence.may_overlap(one.instance, other.instance):
+            timed = None
+            if precedence.start_together(one.instance, other.instance):
+                timed = None if mine.times is None or theirs.times is None else (mine.times, theirs.times)
+            within = mine.allowance + theirs.allowance
+            if any(_meet(*pair, within, timed) for pair in compared_tracks(task, one, other)):
+                return True
+    return False
+
+
+def _meet(one: Track, other: Track, within: float, times: tuple[FloatArray, FloatArray] | None) -> bool:
+    """Return whether two movements may meet. With times, they start together, and bodies may part."""
+    if times is None:
+        return may_come_near(one, other, within)
+    instants = np.union1d(*times)
+    mine, theirs = (_pass(track, known, instants) for track, known in zip((one, other), times, strict=True))
+    index = find_parted(mine, theirs, within)
+    if index < 0:
+        return True
+    left = instants[index:]
+    begin, end = left[: max(len(left) - 1, 1)], np.append(left[1:-1], np.inf)
+    together = (begin[:, None] <= end[None] + SKEW) & (begin[None] <= end[:, None] + SKEW)
+    return may_come_near(mine.beginning_at(index), theirs.beginning_at(index), within, together)
+
+
+def _pass(track: Track, times: FloatArray, instants: FloatArray) -> Track:
+    """Return the track through the poses at some instants [s], where the track has poses at times ``(k,)`` [s]."""
+    poses = [track.at(float(phase)) for phase in np.interp(instants, times, range(len(times)))]
+    return Track(
+        track.body, np.array([each.position for each in poses]), np.array([each.orientation for each in poses])
     )

@@ -134,6 +134,7 @@ def sweep_pressed(
     thing: Token,
     start: State,
     gaps: Sequence[FloatArray],
+    times: FloatArray,
     planned: Pressure,
     pivot: FloatArray | float = 0.0,
     orientations: Mapping[Token, FloatArray] | None = None,
@@ -145,11 +146,12 @@ def sweep_pressed(
         thing: the object.
         start: state at the beginning of the movement, without batch dimensions.
         gaps: distance ``()`` [m] that each hand moves towards its face.
-        planned: the planned progress at k instants, of which only the poses are used. Each field has a dimension more.
+        times: elapsed times of k instants [s], shape ``(k,)``.
+        planned: the planned progress at these instants, each field with shape ``(k, ...)``.
         pivot: see `press`.
         orientations: maps hands to the orientations ``(4,)`` that they keep. Other hands keep their present ones.
     """
-    count = len(planned.closed)
+    count = len(times)
 
     def carry(arm: FloatArray) -> FloatArray:
         return arm if planned.turned is None else rotate(planned.turned, arm)
@@ -166,7 +168,7 @@ def sweep_pressed(
         values[hand.name, "orientation"] = np.repeat(kept[None], count, axis=0)
         values[hand.name, "orientation"][0] = start[hand, "orientation"]
     values = {key: np.broadcast_to(value, (count, value.shape[-1])) for key, value in values.items()}
-    return Course.through(start, values, (0, int(np.argmax(planned.closed)), -1))
+    return Course.through(start, values, (0, int(np.argmax(planned.closed)), -1), times=times)
 
 
 def touches_face(gap: FloatArray) -> FloatArray:

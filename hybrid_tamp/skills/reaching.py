@@ -149,7 +149,7 @@ def _sweep(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: Stat
     moved = {(hand, "position"): reach.position(times)[0]}
     if goal.orientation is not None:
         moved[hand, "orientation"] = reach.orientation(times)[0]
-    return Course.through(start, moved)
+    return Course.through(start, moved, times=times)
 
 
 def _turned(duration: FloatArray, elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:

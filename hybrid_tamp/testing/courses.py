@@ -3,9 +3,10 @@
 import numpy as np
 
 from hybrid_tamp.collision.bodies import Body
-from hybrid_tamp.collision.deviations import find_deviation
+from hybrid_tamp.collision.deviations import Timing, find_deviation
 from hybrid_tamp.collision.sweeps import Track
 from hybrid_tamp.model.control import Parameters
+from hybrid_tamp.model.course import SKEW
 from hybrid_tamp.model.expectation import declared_course
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -36,13 +37,14 @@ def check_courses(rolled: Rollouts, found: Disagreements) -> None:
     last = int(rolled.lengths[0])
     rows = np.unique(np.linspace(0, last, min(_POSES, last + 1)).astype(int))
     passed = State(rolled.states.layout, rolled.states.values[rows, 0])
+    timing = None if course.times is None else Timing(rows * rolled.dt, course.times, SKEW)
     for slot in block.writes:
         token = rolled.binding[slot]
         assert isinstance(token, Token)
         if token.shape is None:
             continue
         body = Body(token.name, token.solid)
-        deviation = find_deviation(_track(body, passed), _track(body, course.states))
+        deviation = find_deviation(_track(body, passed), _track(body, course.states), timing)
         if deviation > course.allowance:
             declared = f"{slot} stays within {1e3 * course.allowance:.0f} mm of its poses in the sweep"
             measured = f"in a rollout, {slot} is {1e3 * deviation:.1f} mm away from all poses of the sweep"

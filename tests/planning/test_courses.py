@@ -81,5 +81,5 @@ def test_the_end_of_a_course_is_where_the_next_movement_begins(side_by_side: Tas
             ("hand 0", "drum 0", "hand 1", "drum 1"), ((0, "position"), (-1, "position"))
         ):
             if (token, prop) in rollout.states.layout.slices:
-                found = courses[name].trace.states[token, prop][row]
+                found = courses[name].course.states[token, prop][row]
                 np.testing.assert_allclose(found, rollout.states[token, prop][row], atol=ALLOWANCE)
