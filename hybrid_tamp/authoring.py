@@ -58,6 +58,9 @@ from hybrid_tamp.model.control import Hyperparameters as Hyperparameters
 from hybrid_tamp.model.control import Parameters as Parameters
 from hybrid_tamp.model.control import Policy as Policy
 from hybrid_tamp.model.control import PolicyMaker as PolicyMaker
+from hybrid_tamp.model.course import Course as Course
+from hybrid_tamp.model.course import SweepMaker as SweepMaker
+from hybrid_tamp.model.course import sample_times as sample_times
 from hybrid_tamp.model.disc import Disc as Disc
 from hybrid_tamp.model.domain import Domain as Domain
 from hybrid_tamp.model.grasp import CAPTURE as CAPTURE

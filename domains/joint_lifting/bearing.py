@@ -5,7 +5,8 @@ is smaller along the normal of its face. Only friction joins a hand to the box: 
 force on the face. Under a larger load, the box slips in the forward model, too.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,10 +15,13 @@ from hybrid_tamp.authoring import (
     Binding,
     Commands,
     ContinuousSystem,
+    Course,
     FloatArray,
     Parameters,
     Policy,
+    Profile,
     State,
+    sample_times,
 )
 from hybrid_tamp.skills import (
     UP,
@@ -33,6 +37,7 @@ from hybrid_tamp.skills import (
     normal,
     press,
     stop_at_face,
+    sweep_pressed,
     touches_face,
     turn_hand,
     turn_wrists,
@@ -49,18 +54,45 @@ the box about the vertical axis. So K must be large.
 """
 
 
-def bear(roles: Roles, start: State, parameters: Parameters, gaps: Sequence[FloatArray], course: Reference) -> Policy:
-    """Return the policy of all hands.
+class Plan(NamedTuple):
+    """The planned movement of hands that bear a box.
 
-    Args:
-        roles: the hands and the box.
-        start: state at the beginning of the movement.
-        parameters: parameters with the hyperparameter ``squeeze``.
+    Attributes:
         gaps: distance ``(...)`` [m] that each hand moves towards its face.
         course: maps the elapsed time ``(...)`` [s] to six quantities: the closed fraction of the gap between
             hand and face, its rate [1/s], the applied fraction of the squeeze, the supported fraction of the weight of
             the box, the planned displacement of the box ``(..., 3)`` [m], and its velocity ``(..., 3)`` [m/s].
+        duration: duration ``(...)`` [s].
     """
+
+    gaps: Sequence[FloatArray]
+    course: Reference
+    duration: FloatArray
+
+
+PlanMaker = Callable[[Roles, Profile, Binding, State, Parameters], Plan]
+"""``make_plan(roles, profile, binding, start, parameters)`` returns the planned movement."""
+
+
+def sweep_bearing(
+    crew: str, profile: Profile, make_plan: PlanMaker, binding: Binding, start: State, parameters: Parameters
+) -> Course:
+    """Return the course of all hands and of the box, which moves as planned."""
+    roles = Roles.of(crew, binding)
+    plan = make_plan(roles, profile, binding, start, parameters)
+    times = sample_times(plan.duration)
+    closed, closing, grip, _, moved, moving = plan.course(times)
+    upright = {hand: VERTICAL.orientation(start, hand) for hand, _ in roles.hands}
+    planned = Pressure(closed, closing, grip, moved, moving)
+    return sweep_pressed(roles.contacts, roles.thing, start, plan.gaps, times, planned, orientations=upright)
+
+
+def bear(
+    crew: str, profile: Profile, make_plan: PlanMaker, binding: Binding, start: State, parameters: Parameters
+) -> Policy:
+    """Return the policy of all hands. The parameters contain the hyperparameter ``squeeze``."""
+    roles = Roles.of(crew, binding)
+    gaps, course, _ = make_plan(roles, profile, binding, start, parameters)
     weight = load(roles.thing, roles.crew) * UP
 
     def plan(elapsed: FloatArray, state: State) -> Pressure:

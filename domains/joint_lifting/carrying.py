@@ -18,25 +18,24 @@ from hybrid_tamp.authoring import (
     Hyperparameter,
     Movement,
     Parameters,
-    Policy,
     Profile,
     State,
     Target,
 )
 from hybrid_tamp.skills import Region, Timetable, curve_along, get_tokens, profile_of
 
-from .bearing import bear, carried_system
+from .bearing import Plan, carried_system
 from .places import Roles
 from .predicates import DESTINATION_WITHIN_REACH, INSIDE, LEVEL_WITH, RAISED, STANDS, destination
 from .together import MODES, at_places, for_each_hand, make_together
 
 _SPEED = Hyperparameter("speed", "m/s", 0.05, 0.4, lambda b, s: np.asarray(0.2), "mean speed along the path")
+_WHOLE = np.asarray(1.0)
 _SHORTEST = 0.02
 """Length of a path that takes as long as every shorter path [m]."""
 
 
-def _carry(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    roles, whole = Roles.of(crew, binding), np.asarray(1.0)
+def _carry(roles: Roles, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Plan:
     origin, goal = start[roles.thing, "position"].copy(), _goal(binding, start)
     curve = curve_along(origin, parameters.path, goal)
     duration = np.maximum(curve.length, _SHORTEST) / np.asarray(parameters.hyperparameters["speed"])
@@ -45,9 +44,9 @@ def _carry(crew: str, profile: Profile, binding: Binding, start: State, paramete
     def course(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         position, velocity = timetable(elapsed)
         still = np.zeros_like(elapsed)
-        return still, still, whole, whole, position - origin, velocity
+        return still, still, _WHOLE, _WHOLE, position - origin, velocity
 
-    return bear(roles, start, parameters, (np.asarray(0.0),) * len(roles.hands), course)
+    return Plan((np.asarray(0.0),) * len(roles.hands), course, duration)
 
 
 def _goal(binding: Binding, state: State) -> FloatArray:

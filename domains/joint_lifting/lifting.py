@@ -18,14 +18,13 @@ from hybrid_tamp.authoring import (
     Hyperparameter,
     Movement,
     Parameters,
-    Policy,
     Predicate,
     Profile,
     State,
 )
 from hybrid_tamp.skills import STANDBY_GAP, UP, advance, gaps_to_faces, profile_of, straight_profile
 
-from .bearing import bear
+from .bearing import Plan
 from .places import FLOOR_TOLERANCE, Roles, height, places_of
 from .predicates import (
     CLEAR_OF,
@@ -60,8 +59,8 @@ def _upwards(heights: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatA
     return UP * rise[..., None], UP * rising[..., None]
 
 
-def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    roles, straight = Roles.of(crew, binding), straight_profile()
+def _lift(roles: Roles, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Plan:
+    straight = straight_profile()
     speed, rise = (np.asarray(parameters.hyperparameters[name]) for name in ("speed", "height"))
 
     def course(elapsed: FloatArray) -> tuple[FloatArray, ...]:
@@ -71,17 +70,20 @@ def _lift(crew: str, profile: Profile, binding: Binding, start: State, parameter
         closed = advance(straight, elapsed, _CLOSING)
         return *closed, grip, loaded, *_upwards(advance(profile, elapsed - GRASPED, rise / speed, rise))
 
-    return bear(roles, start, parameters, gaps_to_faces(roles.contacts, roles.thing, start), course)
+    return Plan(gaps_to_faces(roles.contacts, roles.thing, start), course, GRASPED + rise / speed)
 
 
-def _hold(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    roles, still, whole = Roles.of(crew, binding), np.asarray(0.0), np.asarray(1.0)
-    steady = (still, still, whole, whole, *_upwards((still, still)))
-    return bear(roles, start, parameters, (still,) * len(roles.hands), lambda elapsed: steady)
+def _hold(roles: Roles, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Plan:
+    still = np.asarray(0.0)
+
+    def course(elapsed: FloatArray) -> tuple[FloatArray, ...]:
+        none, whole = np.zeros_like(elapsed), np.ones_like(elapsed)
+        return none, none, whole, whole, *_upwards((none, none))
+
+    return Plan((still,) * len(roles.hands), course, still)
 
 
-def _lower(crew: str, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    roles = Roles.of(crew, binding)
+def _lower(roles: Roles, profile: Profile, binding: Binding, start: State, parameters: Parameters) -> Plan:
     drop = height(start, roles.thing)
     duration = np.maximum(drop, FLOOR_TOLERANCE) / np.asarray(parameters.hyperparameters["speed"])
 
@@ -91,7 +93,7 @@ def _lower(crew: str, profile: Profile, binding: Binding, start: State, paramete
         return opened, opening, grip, grip, *_upwards(advance(profile, elapsed, duration, -drop))
 
     # The hands move away from their faces to their standby positions.
-    return bear(roles, start, parameters, (np.asarray(-STANDBY_GAP),) * len(roles.hands), course)
+    return Plan((np.asarray(-STANDBY_GAP),) * len(roles.hands), course, duration + _CLOSING)
 
 
 def _vertically(*args: Any, keeps: tuple[Predicate, ...] = (), **told: Any) -> Block:

@@ -8,10 +8,10 @@ from functools import partial
 from itertools import chain
 from typing import Any
 
-from hybrid_tamp.authoring import Binding, Block, Hyperparameter, Literal, Policy, Predicate, Profile
+from hybrid_tamp.authoring import Binding, Block, Hyperparameter, Literal, Predicate, Profile
 from hybrid_tamp.skills import conditions, make_pressing, squeezing
 
-from .bearing import bearing_system
+from .bearing import PlanMaker, bear, bearing_system, sweep_bearing
 from .classes import Liftable
 from .load import largest_squeeze, squeeze_for
 from .places import Roles, places_of
@@ -43,7 +43,7 @@ def make_together(
     action: str,
     mode: str,
     before: Sequence[Literal],
-    policy: Callable[..., Policy],
+    plan: PlanMaker,
     profile: Profile,
     hyperparameters: tuple[Hyperparameter, ...] = (),
     system: Callable[..., Any] = bearing_system,
@@ -55,7 +55,7 @@ def make_together(
         action: name of the block without the mode.
         mode: the mode.
         before: entry conditions in addition to the places of the hands and to the feasibility facts.
-        policy: ``policy(crew, profile, binding, start, parameters)`` returns the policy.
+        plan: makes the planned movement.
         profile: profile of the movement.
         hyperparameters: hyperparameters in addition to the squeeze.
         system: ``system(crew, binding, start)`` returns the continuous system.
@@ -68,7 +68,8 @@ def make_together(
         Liftable,
         entry=(*before, *at_places(crew), *for_each_hand(crew, OF_HAND), *conditions(OF_BOX)),
         hyperparameters=(squeezing(partial(_squeezes, crew)), *hyperparameters),
-        policy=partial(policy, crew, profile),
+        policy=partial(bear, crew, profile, plan),
+        sweep=partial(sweep_bearing, crew, profile, plan),
         system=partial(system, crew),
         **told,
     )

@@ -6,12 +6,16 @@ line, passes the box on the side that is clear of the ground, and approaches the
 Another hand fits between the curve and the box. A one-dimensional motor primitive moves the hand along the curve.
 """
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from hybrid_tamp.authoring import (
     DMP,
     Binding,
     Commands,
+    Course,
     Duration,
     FloatArray,
     Hyperparameter,
@@ -20,14 +24,17 @@ from hybrid_tamp.authoring import (
     Policy,
     State,
     Target,
+    sample_times,
 )
 from hybrid_tamp.skills import (
     FREE_TO_MOVE,
     HORIZONTAL,
     Curve,
     ReachGoal,
+    Reference,
     Timetable,
     Transit,
+    TurnReference,
     advance,
     conditions,
     get_symbol,
@@ -108,15 +115,27 @@ def _let_go(elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
     return _ASIDE * (off - back)[..., None], _ASIDE * (leaving - returning)[..., None]
 
 
-def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
+class _Plan(NamedTuple):
+    """The movement of a hand around a box, or away from it.
+
+    Attributes:
+        reference: reference of the hand's position [m] and velocity [m/s], and the travelled share of the curve.
+        turn: reference of the hand's orientation.
+        duration: duration ``(...)`` [s].
+        below: whether ``(..., 1)`` the hand starts beside a table, below its top. Then it rises along the curve.
+    """
+
+    reference: Reference
+    turn: TurnReference
+    duration: FloatArray
+    below: NDArray[np.bool_]
+
+
+def _plan(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> _Plan:
     (hand, thing), profile = get_tokens(binding, "hand", "object"), profile_of(primitive)
     curve = _curve(binding, start, parameters.path)
     duration = _time(curve, parameters.hyperparameters)
-    planned = _place(binding, start)
     outward = off_the_face(start, hand, thing)
-    servo = position_servo(hand)
-    # A hand that starts beside a table, below its top, rises along the curve.
-    below = start[hand, "position"][..., 2:] < thing.ground.height
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         position, velocity = curve.at(elapsed, duration, profile)
@@ -124,23 +143,37 @@ def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: P
         share = profile.share(elapsed / duration)[..., None]
         return position + outward * aside, velocity + outward * speed, share
 
-    timetable = Timetable(reference, start)
+    turn = turn_along(
+        start[hand, "orientation"],
+        _orientation(binding, start),
+        lambda elapsed: curve.turned(elapsed, duration, profile),
+    )
+    return _Plan(reference, turn, duration, start[hand, "position"][..., 2:] < thing.ground.height)
+
+
+def _sweep(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Course:
+    (hand, thing), plan = get_tokens(binding, "hand", "object"), _plan(primitive, binding, start, parameters)
+    times = sample_times(plan.duration)
+    position = plan.reference(times)[0]
+    clear = np.where(plan.below, position, above_ground(hand, thing, position))
+    moved = {(hand.name, "position"): clear, (hand.name, "orientation"): plan.turn(times)[0]}
+    return Course.through(start, moved, times=times)
+
+
+def _follow(primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
+    (hand, thing), plan = get_tokens(binding, "hand", "object"), _plan(primitive, binding, start, parameters)
+    planned, servo, timetable = _place(binding, start), position_servo(hand), Timetable(plan.reference, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         position, velocity, share = timetable(elapsed)
         # Other hands may still move the box, so the end of the curve follows the face.
         position = position + share * (_place(binding, state) - planned)
         # A hand that leaves a face which points down must not press on the ground.
-        clear = np.where(below, position, above_ground(hand, thing, position))
+        clear = np.where(plan.below, position, above_ground(hand, thing, position))
         velocity = np.where((clear > position).any(axis=-1, keepdims=True), velocity * HORIZONTAL, velocity)
         return {(hand.name, "force"): servo(state, clear, velocity)}
 
-    turn = turn_along(
-        start[hand, "orientation"],
-        _orientation(binding, start),
-        lambda elapsed: curve.turned(elapsed, duration, profile),
-    )
-    return turn_wrists(policy, {hand: turn})
+    return turn_wrists(policy, {hand: plan.turn})
 
 
 REACH_BESIDE = make_reaching(
@@ -155,7 +188,7 @@ REACH_BESIDE = make_reaching(
         description="the hand moves around the box to a place at a face and stays there",
     ),
     "beside",
-    transit=Transit(_follow, _SPEED, Duration(0.3, 15.0)),
+    transit=Transit(_follow, _sweep, _SPEED, Duration(0.3, 15.0)),
 )
 REACH_AWAY = make_reaching(
     ReachGoal(
@@ -169,5 +202,5 @@ REACH_AWAY = make_reaching(
         description="the hand releases the box and moves far enough away for the box to be lowered",
     ),
     "away",
-    transit=Transit(_follow, _SPEED, Duration(_SHORTEST, 15.0)),
+    transit=Transit(_follow, _sweep, _SPEED, Duration(_SHORTEST, 15.0)),
 )

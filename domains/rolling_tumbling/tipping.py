@@ -19,6 +19,7 @@ from hybrid_tamp.authoring import (
     GRAVITY,
     Binding,
     Block,
+    Course,
     Duration,
     FloatArray,
     Hyperparameter,
@@ -60,7 +61,7 @@ from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .tumbling_geometry import edge_axis, edge_position
 from .tumbling_predicates import AT_FACE, HOLDS, LANDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
-from .turning import CLOSING, after_turning, keep_parallel, make_turning
+from .turning import CLOSING, after_turning, keep_parallel, make_turning, sweep_turning
 from .turning_model import turning_system
 
 _LEAN_SQUEEZE = 25.0
@@ -141,6 +142,7 @@ def _tipping(
         duration=Duration(CLOSING, 20.0),
         hold=True,
         policy=partial(make_turning, profile=profile_of(primitive)),
+        sweep=partial(sweep_turning, profile=profile_of(primitive)),
         system=turning_system,
         taught=partial(_tipping, mode, relation, squeeze, description, feasible),
         movement=Movement("object", "orientation", 1),
@@ -185,6 +187,7 @@ TILTING = Block(
     duration=Duration(0.1, 60.0),
     hold=True,
     policy=_hold,
+    sweep=lambda binding, start, parameters: Course(start.repeated(1)),
     system=hand_system,
     description="one hand holds the tipped box, which leans on this hand",
 )

@@ -12,6 +12,7 @@ import numpy as np
 
 from hybrid_tamp.authoring import (
     Binding,
+    Course,
     FloatArray,
     Parameters,
     Policy,
@@ -23,9 +24,11 @@ from hybrid_tamp.authoring import (
     quaternion_from_axis_angle,
     quaternion_multiply,
     rotate,
+    sample_times,
 )
 from hybrid_tamp.skills import (
     Pressure,
+    Reference,
     Timetable,
     advance,
     gap_to_face,
@@ -36,6 +39,7 @@ from hybrid_tamp.skills import (
     normal,
     press,
     straight_profile,
+    sweep_pressed,
     turn_wrists,
 )
 
@@ -89,23 +93,29 @@ def turning_time(angle: FloatArray | float, rate: FloatArray | float) -> FloatAr
     return np.asarray(np.maximum(np.abs(angle), 0.05) / rate)
 
 
-def make_turning(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
-    """Return the impedance policy of both hands. The tilt of the box follows the profile."""
-    roles = Roles.of(binding)
-    thing, wanted, straight = roles.thing, roles.wanted, straight_profile()
-    rate, squeeze = (np.asarray(parameters.hyperparameters[name]) for name in ("rate", "squeeze"))
-    pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
-    begun = tilt(start, thing, *roles.edge)
-    turn = wanted - begun
-    duration, unit_axis = turning_time(turn, rate), normalized(axis)
-    tipped = len(faces_of(roles.outcome)) > 1
+def _plan(roles: Roles, start: State, parameters: Parameters, profile: Profile) -> tuple[Reference, FloatArray]:
+    """Return the reference of the tilt, which follows the profile, and the duration ``(...)`` [s] of the turn."""
+    thing, straight = roles.thing, straight_profile()
+    axis = edge_axis(start, thing, *roles.edge)
+    turn = roles.wanted - tilt(start, thing, *roles.edge)
+    duration = turning_time(turn, np.asarray(parameters.hyperparameters["rate"]))
 
     def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
         """Return the closed share of the gaps, its rate, the phase of the turn, the planned angle and its rate."""
         planned, speed = advance(profile, elapsed - CLOSING, duration, turn)
         return *advance(straight, elapsed, CLOSING), (elapsed - CLOSING) / duration, planned, axis * speed[..., None]
 
-    timetable = Timetable(reference, start)
+    return reference, duration
+
+
+def make_turning(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Policy:
+    """Return the impedance policy of both hands. The tilt of the box follows the profile."""
+    roles = Roles.of(binding)
+    thing, wanted, squeeze = roles.thing, roles.wanted, np.asarray(parameters.hyperparameters["squeeze"])
+    pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
+    begun, unit_axis = tilt(start, thing, *roles.edge), normalized(axis)
+    tipped = len(faces_of(roles.outcome)) > 1
+    timetable = Timetable(_plan(roles, start, parameters, profile)[0], start)
 
     def plan(elapsed: FloatArray, state: State) -> Pressure:
         closed, closing, phase, planned, spin = timetable(elapsed)
@@ -117,6 +127,20 @@ def make_turning(binding: Binding, start: State, parameters: Parameters, profile
 
     gaps = gaps_to_faces(roles.contacts, thing, start)
     return keep_parallel(press(roles.contacts, thing, start, gaps, squeeze, plan, pivot), roles.contacts, thing, start)
+
+
+def sweep_turning(binding: Binding, start: State, parameters: Parameters, profile: Profile) -> Course:
+    """Return the course of the box and of both hands. The box turns as planned."""
+    roles = Roles.of(binding)
+    thing, contacts = roles.thing, roles.contacts
+    pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
+    reference, duration = _plan(roles, start, parameters, profile)
+    times = sample_times(CLOSING + duration)
+    closed, closing, _, angle, _ = reference(times)
+    planned = Pressure(closed, closing, closed, pivot, turned=quaternion_from_axis_angle(axis, angle))
+    parallel = {hand: ALIGNMENT.orientation(start, hand, thing, face) for hand, face in contacts}
+    gaps = gaps_to_faces(contacts, thing, start)
+    return sweep_pressed(contacts, thing, start, gaps, times, planned, pivot, parallel)
 
 
 def keep_parallel(policy: Policy, contacts: Sequence[tuple[Token, str]], thing: Token, start: State) -> Policy:

@@ -14,6 +14,7 @@ from hybrid_tamp.authoring import (
     Block,
     Commands,
     ContinuousSystem,
+    Course,
     Duration,
     FloatArray,
     Hyperparameter,
@@ -50,6 +51,7 @@ from hybrid_tamp.skills import (
     side,
     steer,
     straight_profile,
+    sweep_held,
 )
 
 from .classes import DexterousHand, Pushable, Pusher
@@ -61,6 +63,8 @@ _APPROACH = 0.8
 """Time until the tool touches the object [s]."""
 _SHORTEST = 1.0
 """Shortest duration of a push [s]."""
+_ASIDE = 0.01
+"""Largest distance from the planned line while the tool steers an object that drifts off [m]."""
 _CREEP = 0.01
 """Smallest speed at which the policy compensates the full friction force [m/s]."""
 _TOUCH = 1e-6
@@ -121,6 +125,20 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         return held.servo(state, (position, velocity), (upright, still), load)
 
     return policy
+
+
+def _sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
+    """Return the course: the tool moves until it touches the object, and then moves on with the object."""
+    hand, tool, thing, region = _roles(binding)
+    ahead, _ = way(start, thing, region)
+    beside = dot(point(start, tool, np.asarray(tool["pushing_point"])) - start[thing, "position"], cross(UP, ahead))
+    came = _gap(start, tool, thing, ahead) * ahead - beside * cross(UP, ahead)
+    pushed = _distance(binding, start, parameters.hyperparameters) * ahead
+    still, upright = np.zeros(3), attitude(np.arctan2(ahead[1], ahead[0]), np.asarray(0.0))
+    places = start[hand, "position"] + np.array([still, came, came + pushed])
+    values = sweep_held(start, hand, tool, places, np.array([start[tool, "orientation"], upright, upright]))
+    values[thing.name, "position"] = start[thing, "position"] + np.array([still, still, pushed])
+    return Course.through(start, values, (0, 1, 2), _ASIDE)
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:
@@ -206,6 +224,7 @@ PUSHING = Block(
     ),
     duration=Duration(_APPROACH, 40.0),
     policy=_policy,
+    sweep=_sweep,
     system=_system,
     performance=(
         Measure(

@@ -16,6 +16,7 @@ from hybrid_tamp.authoring import (
     Block,
     Commands,
     ContinuousSystem,
+    Course,
     Duration,
     FloatArray,
     Hyperparameter,
@@ -27,6 +28,7 @@ from hybrid_tamp.authoring import (
     Token,
     cross,
     rotate,
+    sample_times,
 )
 from hybrid_tamp.skills import (
     AT_REST,
@@ -49,6 +51,7 @@ from hybrid_tamp.skills import (
     point,
     point_velocity,
     straight_profile,
+    sweep_held,
     turn_between,
     turning_rate,
     yaw,
@@ -66,6 +69,8 @@ _ABOVE = 0.15
 """Angle above the horizontal to which the hand raises the tool after the impact [rad]."""
 _RAISING_RATE = 20.0
 """Natural frequency of the servo that raises the tool [rad/s]."""
+_SWEPT = 12
+"""Number of poses of a swing in its course."""
 _TOUCH = 1e-6
 
 
@@ -107,6 +112,19 @@ def _policy(binding: Binding, start: State, parameters: Parameters) -> Policy:
         return held.wrench(state, moving, turning)
 
     return policy
+
+
+def _sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
+    """Return the course: a wind-up, the swing up to the planned impact, and the way back above the object."""
+    hand, tool, _ = _roles(binding)
+    arc = Arc(binding, start, parameters.hyperparameters)
+    done, _ = advance(straight_profile(), sample_times(arc.winding), arc.winding)
+    from_angle = lean(start, tool)
+    swung = np.linspace(arc.beginning, LEVEL, _SWEPT)[1:]
+    angles = np.concatenate([from_angle + done * (arc.beginning - from_angle), swung, [LEVEL - _ABOVE]])
+    wound = start[hand, "position"] + done[:, None] * arc.way
+    places = np.concatenate([wound, arc.hand_at(swung), arc.hand_at(np.array([LEVEL - _ABOVE]))])
+    return Course.through(start, sweep_held(start, hand, tool, places, attitude(yaw(start, tool), angles)), (0, -2, -1))
 
 
 def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:
@@ -214,6 +232,7 @@ STRIKING = Block(
     ),
     duration=Duration(WINDING_UP, 10.0),
     policy=_policy,
+    sweep=_sweep,
     system=_system,
     performance=(
         Measure(

@@ -50,6 +50,10 @@ class Track:
         position = (1.0 - share) * self.positions[index] + share * self.positions[index + 1]
         return Pose(position, _between(self.orientations[index], self.orientations[index + 1], share))
 
+    def beginning_at(self, index: int) -> "Track":
+        """Return the part of the track from one of its poses on."""
+        return Track(self.body, self.positions[index:], self.orientations[index:])
+
     @cached_property
     def corners(self) -> FloatArray:
         """Lower and upper corner of the box around all positions [m], shape ``(2, 3)``."""

@@ -12,6 +12,7 @@ from typing import Any
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.control import Hyperparameter, Hyperparameters, PolicyMaker, SystemMaker
+from hybrid_tamp.model.course import SweepMaker
 from hybrid_tamp.model.default_system import keep_still, make_default_system
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
@@ -114,6 +115,8 @@ class Block:
         movement: movement that the motor primitive represents, or None.
         path: slot whose token follows `Parameters.path`, a path of the token's position, if the plan gives one. None if
             the policy ignores paths.
+        sweep: function ``sweep(binding, start, parameters)`` that returns the `Course` of an instance, i.e. the poses
+            along its reference of all tokens that the block moves. If None, only a rollout tells these poses.
         straight: maps slots whose tokens always move straight to functions ``direction(binding, start)``, which return
             the unit vector ``(3,)`` of the movement. Proofs that a body blocks the movement use these directions.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
@@ -144,6 +147,7 @@ class Block:
     taught: Callable[[Any], "Block"] | None = None
     movement: Movement | None = None
     path: str | None = None
+    sweep: SweepMaker | None = None
     straight: Mapping[str, Callable[[Binding, State], FloatArray]] = field(default_factory=dict)
     outcome: Outcome | None = None
     description: str = ""

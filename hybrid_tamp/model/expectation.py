@@ -15,7 +15,8 @@ from hybrid_tamp.model.affordance import BODY_STATE
 from hybrid_tamp.model.arrival import roll_out_to_exit, stack_values
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
-from hybrid_tamp.model.control import CONTROL_PERIOD, Hyperparameters
+from hybrid_tamp.model.control import CONTROL_PERIOD, Hyperparameters, Parameters
+from hybrid_tamp.model.course import Course
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.shapes import check_shape
 from hybrid_tamp.model.state import State
@@ -139,6 +140,25 @@ def declared_end(block: Block, binding: Binding, state: State) -> State | None:
         after = block.outcome(binding, state)
     check_shape(where, binding, after.values, state.values.shape)
     return after
+
+
+def declared_course(block: Block, binding: Binding, start: State, parameters: Parameters) -> Course | None:
+    """Return the course that the block declares, or None. A block that moves nothing stays in its start ``(n,)``.
+
+    Raises:
+        DomainError: the function raised an exception, or returned states of another shape.
+    """
+    if not block.moves:
+        return Course(start.repeated(1))
+    if block.sweep is None:
+        return None
+    where = f"{block.name}.sweep"
+    with authored(where, binding):
+        course = block.sweep(binding, start, parameters)
+    if course is not None:
+        shape = (*course.states.values.shape[:1], start.values.size)
+        check_shape(where, binding, course.states.values, shape)
+    return course
 
 
 def _roll_out_together(beginnings: Sequence[Beginning]) -> list[_Rolled]:

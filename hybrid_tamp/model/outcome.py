@@ -126,7 +126,7 @@ class PlanOutcome(Tabular):
         explanation: explanation of why the task has no plan, or None.
         refinement: plan with optimised hyperparameters, or None.
         excluded: bindings that were excluded before this plan was found, in the order of exclusion.
-        closest_pairs: closest pair of bodies in each movement. Empty if the movements were not compared with bodies.
+        closest_pairs: closest pair of bodies in each movement. Empty if the plan was not rolled out.
     """
 
     task: Task

@@ -187,7 +187,7 @@ class RefinedPlan:
         stopped: reason why the optimiser stopped.
         history: convergence curve of the optimisation.
         physics: result of further optimisation in physics, or None if not requested.
-        closest_pairs: closest pair of bodies in each movement. Empty if the movements were not compared with bodies.
+        closest_pairs: closest pair of bodies in each movement. Empty if the plan was not rolled out.
     """
 
     plan: TaskPlan

@@ -72,12 +72,14 @@ class Sweep:
         trace: states of the instance.
         tracks: tracks of the tokens that the instance moves.
         neighbours: for each track, the bodies at rest that the moving token must not hit.
+        every: number of control steps between two poses of a track.
     """
 
     instance: BlockInstance
     trace: Trace
     tracks: tuple[Track, ...]
     neighbours: tuple[tuple[Neighbour, ...], ...]
+    every: int = _EVERY
 
     def find_hit(self) -> Hit | None:
         """Return the neighbour to which the movement comes nearest, compared with the distance to keep, or None."""
@@ -95,7 +97,7 @@ class Sweep:
     @property
     def times(self) -> FloatArray:
         """Times of the poses of the tracks from the start of the movement [s], shape ``(k,)``."""
-        return np.array(_rows(self.trace.states)) * CONTROL_PERIOD
+        return np.array(_rows(self.trace.states, self.every)) * CONTROL_PERIOD
 
     def place_of(self, hit: Hit) -> tuple[float, float, float]:
         """Return the place of a collision, which is the middle between the nearest points of the bodies' cores [m]."""
@@ -114,7 +116,9 @@ class Sweep:
         return find_nearest(track.body, track.at(min(phase, len(track.positions) - 1.0)), other.body, other.pose)
 
 
-def find_sweeps(task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER) -> Iterator[Sweep]:
+def find_sweeps(
+    task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadline: Deadline = NEVER, every: int = _EVERY
+) -> Iterator[Sweep]:
     """Yield the movements of a plan in the order of their starts.
 
     Args:
@@ -122,6 +126,7 @@ def find_sweeps(task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadlin
         plan: plan with a value for every hyperparameter.
         traces: maps each instance that moves tokens to its movement in the forward models.
         deadline: deadline of the command.
+        every: number of states between two poses of a track.
 
     Raises:
         LimitReached: the deadline passes.
@@ -130,7 +135,7 @@ def find_sweeps(task: Task, plan: TaskPlan, traces: Mapping[str, Trace], deadlin
     for instance in sorted(plan.instances, key=lambda i: (i.start, i.name)):
         if instance.name in traces:
             deadline.check()
-            yield _find_sweep(task, plan, instance, traces[instance.name], bodies, precedence)
+            yield _find_sweep(task, plan, instance, traces[instance.name], bodies, precedence, every)
 
 
 def _find_sweep(
@@ -140,6 +145,7 @@ def _find_sweep(
     trace: Trace,
     bodies: Mapping[str, Body],
     precedence: Precedence,
+    every: int,
 ) -> Sweep:
     blocks = task.domain.block_by_name
     rules = ContactRules(blocks, [instance], task.fixed_bodies, task.token_by_name)
@@ -154,7 +160,7 @@ def _find_sweep(
     tracks, neighbours = [], []
     for slot, name in instance.slots.items():
         if name in bodies and "position" in blocks[instance.block].writes.get(slot, ()):
-            tracks.append(track_of(bodies[name], trace.states))
+            tracks.append(track_of(bodies[name], trace.states, every))
             mine = task.token_by_name[name]
             others = (
                 other
@@ -162,7 +168,7 @@ def _find_sweep(
                 if not rules.allow(name, other, trace.world) and not pass_through(mine, task.token_by_name[other])
             )
             neighbours.append(tuple(_neighbour(task, instance, bodies[other], trace.world) for other in others))
-    return Sweep(instance, trace, tuple(tracks), tuple(neighbours))
+    return Sweep(instance, trace, tuple(tracks), tuple(neighbours), every)
 
 
 def _neighbour(task: Task, instance: BlockInstance, body: Body, world: State) -> Neighbour:
@@ -170,15 +176,15 @@ def _neighbour(task: Task, instance: BlockInstance, body: Body, world: State) ->
     return Neighbour(body, pose_of(world, body.name), kept)
 
 
-def track_of(body: Body, states: State) -> Track:
-    """Return the track of a body in states with batch shape ``(t,)``, one per control step."""
-    rows = _rows(states)
+def track_of(body: Body, states: State, every: int = _EVERY) -> Track:
+    """Return the track of a body through every n-th one of states with batch shape ``(t,)``, and through the last."""
+    rows = _rows(states, every)
     return Track(body, states[body.name, "position"][rows], states[body.name, "orientation"][rows])
 
 
-def _rows(states: State) -> list[int]:
+def _rows(states: State, every: int) -> list[int]:
     last = len(states.values) - 1
-    return [*range(0, last, _EVERY), last]
+    return [*range(0, last, every), last]
 
 
 def require_distance(track: Track, other: Neighbour) -> float:

@@ -37,14 +37,15 @@ def find_meeting(
             note(other.instance.name)
             # Movements that start at the same instant keep their timing, and all others may have any timing.
             compare = meet_together if precedence.start_together(one.instance, other.instance) else meet
-            for mine, theirs in _meeting_tracks(task, one, other, compare):
-                return one, other, (mine.body.name, theirs.body.name)
+            for mine, theirs in compared_tracks(task, one, other):
+                allowed = allow_contact(mine.body, mine.at(0.0), theirs.body, theirs.at(0.0))
+                if compare(mine, theirs, allowed):
+                    return one, other, (mine.body.name, theirs.body.name)
     return None
 
 
-def _meeting_tracks(
-    task: Task, one: Sweep, other: Sweep, compare: Callable[[Track, Track, float], bool]
-) -> Iterator[tuple[Track, Track]]:
+def compared_tracks(task: Task, one: Sweep, other: Sweep) -> Iterator[tuple[Track, Track]]:
+    """Yield the pairs of tracks of two movements at the same time, except those of bodies that may touch."""
     rules = ContactRules(
         task.domain.block_by_name, [one.instance, other.instance], task.fixed_bodies, task.token_by_name
     )
@@ -52,10 +53,7 @@ def _meeting_tracks(
     for mine in one.tracks:
         for theirs in other.tracks:
             names = mine.body.name, theirs.body.name
-            if rules.allow(*names, one.trace.world) or pass_through(tokens[names[0]], tokens[names[1]]):
-                continue
-            allowed = allow_contact(mine.body, mine.at(0.0), theirs.body, theirs.at(0.0))
-            if compare(mine, theirs, allowed):
+            if not (rules.allow(*names, one.trace.world) or pass_through(tokens[names[0]], tokens[names[1]])):
                 yield mine, theirs
 
 

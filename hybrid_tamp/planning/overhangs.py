@@ -41,10 +41,15 @@ class Overhang:
     place: FloatArray
 
 
-def find_overhang(task: Task, movements: Iterable[Sweep]) -> Overhang | None:
+def find_overhang(task: Task, movements: Iterable[Sweep], allowance: float = 0.0) -> Overhang | None:
     """Return the first movement in which a body moves along a table beyond the edge of the table, or None.
 
     A box must rest with all its points on the table. A round body must rest with the middle of its contact line.
+
+    Args:
+        task: task of the movements.
+        movements: the movements.
+        allowance: distance from the edge that a moving body must keep in addition [m].
     """
     for movement in movements:
         for track in movement.tracks:
@@ -53,7 +58,7 @@ def find_overhang(task: Task, movements: Iterable[Sweep]) -> Overhang | None:
             if thing.ground.top is None or thing.ground.body in task.fixed_bodies:
                 continue
             depths = _depths(track, thing)
-            bad = np.flatnonzero(depths < min(float(depths[0]), 0.0) - _TOLERANCE)
+            bad = np.flatnonzero(depths < min(float(depths[0]), allowance) - _TOLERANCE)
             if len(bad):
                 row = int(bad[0])
                 place = track.positions[row]

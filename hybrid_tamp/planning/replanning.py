@@ -68,8 +68,8 @@ def plan_and_refine(
 def avoid_collisions(outcome: PlanOutcome, find_plan: FindPlan, deadline: Deadline = NEVER) -> PlanOutcome:
     """Give paths and an order to the movements of a plan, and replan until no movement hits anything.
 
-    The hyperparameters keep their defaults, and only collisions make a plan fail. A plan that moves every body is not
-    evaluated, because that costs time. The plan remains unchanged if nothing is in the way.
+    The hyperparameters keep their defaults, and only collisions make a plan fail. A plan is rolled out only if its
+    movements may come near something. The plan remains unchanged if nothing is in the way.
 
     Args:
         outcome: outcome of the task planner.

@@ -18,6 +18,7 @@ from hybrid_tamp.planning.avoiding import Attempt, avoid_collisions, refuse_unch
 from hybrid_tamp.planning.clearance import Sweep, find_sweeps
 from hybrid_tamp.planning.closest_pairs import find_closest_pairs
 from hybrid_tamp.planning.collisions import check_plan
+from hybrid_tamp.planning.courses import may_collide
 from hybrid_tamp.planning.giving_way import waiting_for
 from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
 from hybrid_tamp.planning.overhangs import Overhang, find_overhang
@@ -117,13 +118,13 @@ def route_defaults(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> Re
         deadline: deadline of the command.
 
     Returns:
-        The routed plan. None if the plan moves every body, so that there is nothing to avoid.
+        The routed plan. None if no movement comes near anything, as far as the courses of the blocks tell.
 
     Raises:
         LimitReached: the deadline passes.
         NotFinite: every rollout failed.
     """
-    if not _leaves_bodies(task, plan):
+    if not may_collide(task, plan, deadline):
         return None
 
     def evaluate(one: TaskPlan, rollouts: Rollouts) -> RefinedPlan:
@@ -132,15 +133,3 @@ def route_defaults(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> Re
         return replace(evaluate_defaults(task, one, rollouts), shortfall=None)
 
     return route(task, plan, evaluate, deadline)
-
-
-def _leaves_bodies(task: Task, plan: TaskPlan) -> bool:
-    """Return whether the task has a body that no instance of the plan moves."""
-    blocks = task.domain.block_by_name
-    moved = {
-        token
-        for instance in plan.instances
-        for slot, token in instance.slots.items()
-        if blocks[instance.block].writes.get(slot)
-    }
-    return any(token.shape is not None and token.name not in moved for token in task.tokens)

@@ -77,6 +77,7 @@ from hybrid_tamp.skills.holding import Load as Load
 from hybrid_tamp.skills.holding import held_system as held_system
 from hybrid_tamp.skills.holding import keep_on as keep_on
 from hybrid_tamp.skills.holding import pose_held as pose_held
+from hybrid_tamp.skills.holding import sweep_held as sweep_held
 from hybrid_tamp.skills.knocks import Changes as Changes
 from hybrid_tamp.skills.knocks import Mass as Mass
 from hybrid_tamp.skills.knocks import effective_mass as effective_mass
@@ -107,6 +108,7 @@ from hybrid_tamp.skills.pressing import make_pressing as make_pressing
 from hybrid_tamp.skills.pressing import meet_face as meet_face
 from hybrid_tamp.skills.pressing import press as press
 from hybrid_tamp.skills.pressing import squeezing as squeezing
+from hybrid_tamp.skills.pressing import sweep_pressed as sweep_pressed
 from hybrid_tamp.skills.pressing import touches_face as touches_face
 from hybrid_tamp.skills.primitives import advance as advance
 from hybrid_tamp.skills.primitives import demonstrated_reach as demonstrated_reach

@@ -9,6 +9,7 @@ import numpy as np
 
 from hybrid_tamp.model.block import FLOOR, Block, Outcome, Slot, Target
 from hybrid_tamp.model.control import Commands, Parameters, Policy, PolicyMaker
+from hybrid_tamp.model.course import Course, SweepMaker, sample_times
 from hybrid_tamp.model.predicate import Binding, Literal, Parameter, Predicate, Value
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
@@ -18,13 +19,13 @@ from hybrid_tamp.skills.extents import top_of
 from hybrid_tamp.skills.grippers import Graspable
 from hybrid_tamp.skills.gripping import HANDLE_ENDS, Grip
 from hybrid_tamp.skills.handles import attitude, hand_in, lean, side, standing_height, yaw
-from hybrid_tamp.skills.holding import HeldBody, held_system, pose_held
+from hybrid_tamp.skills.holding import HeldBody, held_system, pose_held, sweep_held
 from hybrid_tamp.skills.paths import follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE, competence
 from hybrid_tamp.skills.primitives import advance, reach_over, straight_profile
 from hybrid_tamp.skills.reaching import time_of_reach
 from hybrid_tamp.skills.roles import BODY, POSE, get_token, get_tokens
-from hybrid_tamp.skills.timetable import Timetable
+from hybrid_tamp.skills.timetable import Reference, Timetable
 from hybrid_tamp.skills.vectors import HORIZONTAL, UP, depth_in_workspace, norm, point
 
 HeldPose = tuple[FloatArray, FloatArray, FloatArray]
@@ -121,6 +122,7 @@ def make_carrying(
         duration=duration,
         hold=True,
         policy=_follow(goal, role),
+        sweep=_sweep(goal, role),
         path="hand",
         system=held_system(role),
         outcome=_outcome(goal, role),
@@ -163,29 +165,53 @@ def _goal_within_reach(grip: Grip, goal: Goal, targets: tuple[Target, ...]) -> P
     )
 
 
+def _plan(
+    goal: Goal, role: str, binding: Binding, start: State, parameters: Parameters
+) -> tuple[Reference, FloatArray]:
+    """Return the reference of the hand and its object, and the duration ``(...)`` [s] of the movement.
+
+    The reference returns the hand's position [m] and velocity [m/s], the object's orientation, the angular velocity
+    of the object about the vertical [rad/s], and the rate of its lean [rad/s].
+    """
+    hand, thing = get_tokens(binding, "hand", role)
+    place, direction, angle = goal(binding, start)
+    origin, duration = start[hand, "position"].copy(), np.asarray(parameters.hyperparameters["duration"])
+    if parameters.path is None:
+        reach = reach_over(origin, place, duration)
+    else:
+        reach, _, duration = follow_path(origin, parameters.path, place, duration)
+    profile, turning = straight_profile(), _TURN[1] * duration
+    from_yaw, from_lean = yaw(start, thing), lean(start, thing)
+    yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
+    leaning = angle - from_lean
+
+    def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
+        done, speed = advance(profile, elapsed - _TURN[0] * duration, turning)
+        wanted = attitude(from_yaw + done * yawing, from_lean + done * leaning)
+        return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * leaning)[..., None])
+
+    return reference, duration
+
+
+def _sweep(goal: Goal, role: str) -> SweepMaker:
+    """Return the maker of the course of the hand and the object that it holds."""
+
+    def sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
+        hand, thing = get_tokens(binding, "hand", role)
+        reference, duration = _plan(goal, role, binding, start, parameters)
+        places, _, attitudes, *_ = reference(sample_times(duration))
+        return Course.through(start, sweep_held(start, hand, thing, places, attitudes))
+
+    return sweep
+
+
 def _follow(goal: Goal, role: str) -> PolicyMaker:
     """Return the maker of the policy that moves the hand along the reach and turns the object."""
 
     def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
         hand, thing = get_tokens(binding, "hand", role)
         held = HeldBody(hand, thing)
-        place, direction, angle = goal(binding, start)
-        origin, duration = start[hand, "position"].copy(), np.asarray(parameters.hyperparameters["duration"])
-        if parameters.path is None:
-            reach = reach_over(origin, place, duration)
-        else:
-            reach, _, duration = follow_path(origin, parameters.path, place, duration)
-        profile, turning = straight_profile(), _TURN[1] * duration
-        from_yaw, from_lean = yaw(start, thing), lean(start, thing)
-        yawing = (direction - from_yaw + np.pi) % (2 * np.pi) - np.pi
-        leaning = angle - from_lean
-
-        def reference(elapsed: FloatArray) -> tuple[FloatArray, ...]:
-            done, speed = advance(profile, elapsed - _TURN[0] * duration, turning)
-            wanted = attitude(from_yaw + done * yawing, from_lean + done * leaning)
-            return (*reach(elapsed), wanted, (speed * yawing)[..., None] * UP, (speed * leaning)[..., None])
-
-        timetable = Timetable(reference, start)
+        timetable = Timetable(_plan(goal, role, binding, start, parameters)[0], start)
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
             position, velocity, wanted, yaw_rate, lean_rate = timetable(elapsed)

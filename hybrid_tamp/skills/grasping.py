@@ -3,12 +3,15 @@
 The hand waits beside the handle, moves to a place on the handle and closes its fingers. The object stands meanwhile.
 """
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from hybrid_tamp.model.block import FLOOR, Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, Hyperparameter, Hyperparameters, Parameters, Policy, PolicyMaker
+from hybrid_tamp.model.course import Course, SweepMaker, sample_times
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.predicate import Binding, Literal
 from hybrid_tamp.model.state import State
@@ -24,9 +27,9 @@ from hybrid_tamp.skills.handles import (
     on_handle,
 )
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
-from hybrid_tamp.skills.primitives import move_straight
+from hybrid_tamp.skills.primitives import Reference, move_straight
 from hybrid_tamp.skills.reaching import ReachGoal, make_reaching
-from hybrid_tamp.skills.roles import MOTION, get_tokens
+from hybrid_tamp.skills.roles import MOTION, get_token, get_tokens
 from hybrid_tamp.skills.servos import hand_servo
 from hybrid_tamp.skills.timetable import Timetable
 from hybrid_tamp.skills.vectors import point
@@ -102,6 +105,7 @@ def _grasp(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
         duration=Duration(_APPROACH, 5.0),
         hold=True,
         policy=_closing(role),
+        sweep=_sweep(partial(_approach, role), _APPROACH),
         performance=(_contact(role),),
         description="the hand moves to the grasp location and closes on the handle",
     )
@@ -132,13 +136,35 @@ def _contact(role: str) -> Measure:
     return Measure("contact", "1", 1.0, end=share, description="fraction of contact_width that touches the handle")
 
 
+_Way = Callable[[Binding, State, Parameters], Reference]
+"""``way(binding, start, parameters)`` returns the reference of the hand's position."""
+
+
+def _sweep(way: _Way, duration: float) -> SweepMaker:
+    def sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
+        positions, _ = way(binding, start, parameters)(sample_times(duration))
+        return Course.through(start, {(get_token(binding, "hand").name, "position"): positions})
+
+    return sweep
+
+
+def _approach(role: str, binding: Binding, start: State, parameters: Parameters) -> Reference:
+    hand, thing = get_tokens(binding, "hand", role)
+    origin, place = start[hand, "position"].copy(), on_handle(thing, parameters.hyperparameters["grasp_location"])
+    return move_straight(origin, point(start, thing, place) - origin, _APPROACH)
+
+
+def _leave(role: str, binding: Binding, start: State, parameters: Parameters) -> Reference:
+    hand, thing = get_tokens(binding, "hand", role)
+    origin = start[hand, "position"].copy()
+    return move_straight(origin, beside_handle(start, hand, thing) - origin, _LEAVING, _OPENING)
+
+
 def _closing(role: str) -> PolicyMaker:
     def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
-        hand, thing = get_tokens(binding, "hand", role)
-        origin = start[hand, "position"].copy()
-        way = point(start, thing, on_handle(thing, parameters.hyperparameters["grasp_location"])) - origin
+        hand = get_token(binding, "hand")
         servo, grip = hand_servo(hand, start), hand["maximal_grip"]
-        timetable = Timetable(move_straight(origin, way, _APPROACH), start)
+        timetable = Timetable(_approach(role, binding, start, parameters), start)
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
             closing = np.where(elapsed > _CLOSES_AFTER, grip, 0.0)
@@ -162,16 +188,15 @@ def _release(grip: Grip, stands: Literal, targets: tuple[Target, ...]) -> Block:
         exit=(~grip.held(role, "hand"), grip.empty("hand"), stands, AT_REST("hand"), AT_REST(role)),
         duration=Duration(_OPENING + _LEAVING, 5.0),
         policy=_opening(role),
+        sweep=_sweep(partial(_leave, role), _OPENING + _LEAVING),
         description=f"the hand opens and moves away, and the {role} remains standing",
     )
 
 
 def _opening(role: str) -> PolicyMaker:
     def make(binding: Binding, start: State, parameters: Parameters) -> Policy:
-        hand, thing = get_tokens(binding, "hand", role)
-        origin = start[hand, "position"].copy()
-        way = beside_handle(start, hand, thing) - origin
-        servo, timetable = hand_servo(hand, start), Timetable(move_straight(origin, way, _LEAVING, _OPENING), start)
+        servo = hand_servo(get_token(binding, "hand"), start)
+        timetable = Timetable(_leave(role, binding, start, parameters), start)
 
         def policy(elapsed: FloatArray, state: State) -> Commands:
             return servo(state, *timetable(elapsed))

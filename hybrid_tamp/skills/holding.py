@@ -201,6 +201,23 @@ def pose_held(
     }
 
 
+def sweep_held(
+    start: State, hand: Token, thing: Token, places: FloatArray, orientations: FloatArray
+) -> dict[tuple[str, str], FloatArray]:
+    """Return the poses of a hand and the object that it holds along a course, for `Course.through`.
+
+    Args:
+        start: state at the beginning, without batch dimensions.
+        hand: the hand, which turns with the object.
+        thing: the object.
+        places: positions of the hand ``(k, 3)`` [m].
+        orientations: orientations of the object ``(k, 4)``.
+    """
+    turned = quaternion_multiply(orientations, quaternion_conjugate(start[thing, "orientation"]))
+    poses = pose_held(start, hand, thing, places, orientations)
+    return poses | {(hand.name, "orientation"): quaternion_multiply(turned, start[hand, "orientation"])}
+
+
 def keep_on(
     state: State,
     hand: Token,

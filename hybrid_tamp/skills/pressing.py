@@ -6,7 +6,7 @@ outward normal of the face, S is the squeeze, and W is a force that bears a part
 joins the hands to the object. In a forward model, each hand stops at its face, and presses on the face when it touches.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,11 +14,12 @@ import numpy as np
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.block import FLOOR, Block, Slot
 from hybrid_tamp.model.control import Commands, Hyperparameter, Policy
+from hybrid_tamp.model.course import Course
 from hybrid_tamp.model.predicate import Binding, Literal, Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
-from hybrid_tamp.motion.poses import cross, rotate
+from hybrid_tamp.motion.poses import cross, quaternion_multiply, rotate
 from hybrid_tamp.skills.classes import StaticEndEffector
 from hybrid_tamp.skills.faces import gap_to_face, normal
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
@@ -126,6 +127,48 @@ def _loosened(push: FloatArray, outward: FloatArray, hand: Token, grip: FloatArr
     inward = -dot(push, outward)
     most = TOUCHING_FORCE + grip * hand["maximal_force"]
     return np.asarray(push + outward * np.maximum(inward - most, 0.0)[..., None])
+
+
+def sweep_pressed(
+    contacts: Sequence[tuple[Token, str]],
+    thing: Token,
+    start: State,
+    gaps: Sequence[FloatArray],
+    times: FloatArray,
+    planned: Pressure,
+    pivot: FloatArray | float = 0.0,
+    orientations: Mapping[Token, FloatArray] | None = None,
+) -> Course:
+    """Return the course of hands that close on faces, and of the object that moves with the hands.
+
+    Args:
+        contacts: pairs of (hand, face).
+        thing: the object.
+        start: state at the beginning of the movement, without batch dimensions.
+        gaps: distance ``()`` [m] that each hand moves towards its face.
+        times: elapsed times of k instants [s], shape ``(k,)``.
+        planned: the planned progress at these instants, each field with shape ``(k, ...)``.
+        pivot: see `press`.
+        orientations: maps hands to the orientations ``(4,)`` that they keep. Other hands keep their present ones.
+    """
+    count = len(times)
+
+    def carry(arm: FloatArray) -> FloatArray:
+        return arm if planned.turned is None else rotate(planned.turned, arm)
+
+    values = {(thing.name, "position"): planned.pivot + carry(start[thing, "position"] - pivot)}
+    if planned.turned is not None:
+        values[thing.name, "orientation"] = quaternion_multiply(planned.turned, start[thing, "orientation"])
+    for (hand, face), gap in zip(contacts, gaps, strict=True):
+        closing = normal(start, thing, face) * (gap * planned.closed)[:, None]
+        values[hand.name, "position"] = planned.pivot + carry(start[hand, "position"] - pivot - closing)
+        kept = (
+            start[hand, "orientation"] if orientations is None else orientations.get(hand, start[hand, "orientation"])
+        )
+        values[hand.name, "orientation"] = np.repeat(kept[None], count, axis=0)
+        values[hand.name, "orientation"][0] = start[hand, "orientation"]
+    values = {key: np.broadcast_to(value, (count, value.shape[-1])) for key, value in values.items()}
+    return Course.through(start, values, (0, int(np.argmax(planned.closed)), -1), times=times)
 
 
 def touches_face(gap: FloatArray) -> FloatArray:

@@ -100,6 +100,7 @@ def make_pushing(
         hyperparameters=_hyperparameters(push, hyperparameters),
         duration=Duration(0.2, 40.0),
         policy=push.policy,
+        sweep=push.sweep,
         straight={"object": lambda binding, start: push.line(binding, start)[0]},
         system=push.system,
         description=description,

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.model.control import Commands, ContinuousSystem, Parameters, Policy
+from hybrid_tamp.model.course import Course
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.state import State
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.motion.constants import GRAVITY
-from hybrid_tamp.motion.poses import cross, integrate, rotate
+from hybrid_tamp.motion.poses import cross, integrate, quaternion_from_axis_angle, quaternion_multiply, rotate
 from hybrid_tamp.skills.alignment import ALIGNED, Alignment
 from hybrid_tamp.skills.classes import can_turn
 from hybrid_tamp.skills.extents import height_below
@@ -29,6 +30,8 @@ STANDOFF = 0.03
 """Gap between an object and a hand in its standby position [m]."""
 _APPROACH_GAIN = 4.0
 _APPROACH_SPEED = 0.15
+_STEP = 0.05
+"""Largest distance of an object between two states of a course [m]."""
 _SPEED_RATE = 200.0
 """Rate at which the hand's speed converges to the wanted speed [1/s]."""
 
@@ -138,6 +141,37 @@ class Push:
             return {(hand.name, "force"): follow + push[..., None] * direction}
 
         return turn_wrists(policy, {hand: keep_orientation(self.aligned(binding, start)[hand, "orientation"])})
+
+    def sweep(self, binding: Binding, start: State, parameters: Parameters) -> Course | None:
+        """Return the course of a hand that closes the gap, and then moves on with the object. None if the object falls.
+
+        Args:
+            binding: the hand, the object and the targets.
+            start: state at the beginning, without batch dimensions.
+            parameters: parameters with the hyperparameter ``distance`` [m].
+        """
+        hand, thing = get_token(binding, "hand"), get_token(binding, "object")
+        direction, _ = self.line(binding, start)
+        radius, aligned = self.resistance(binding).radius, self.aligned(binding, start)
+        distance = max(float(parameters.hyperparameters["distance"]), 0.0)
+        count = int(np.ceil(distance / (_STEP if radius is None else min(_STEP, radius / 2.0)))) + 1
+        pushed = np.concatenate([[0.0], np.linspace(0.0, distance, count)])[:, None]
+        touching = self.standby(binding, start) + direction * STANDOFF
+        values = {
+            (hand.name, "position"): touching + pushed * direction,
+            (hand.name, "orientation"): np.repeat(aligned[hand, "orientation"][None], count + 1, axis=0),
+            (thing.name, "position"): start[thing, "position"] + pushed * direction,
+        }
+        if radius is not None:
+            turned = quaternion_from_axis_angle(cross(UP, direction), pushed[:, 0] / radius)
+            values[thing.name, "orientation"] = quaternion_multiply(turned, start[thing, "orientation"])
+        for name in ("position", "orientation"):
+            values[hand.name, name][0] = start[hand, name]
+        course = Course.through(start, values, (0, 1, -1))
+        if self.ground is None:
+            return course
+        above = self._above(binding, course.states, height_below(start, thing))
+        return None if np.any(above > _DROP) else course
 
     def system(self, binding: Binding, start: State) -> ContinuousSystem:
         """Make the system of a hand that pushes an object along the line. The object does not bounce."""

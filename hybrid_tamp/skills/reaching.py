@@ -8,11 +8,13 @@ descends. REACHING can also be taught another primitive.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, Hyperparameter, Parameters, Policy
+from hybrid_tamp.model.course import Course, sample_times
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.predicate import Binding, Literal, Predicate
 from hybrid_tamp.model.state import State
@@ -23,9 +25,9 @@ from hybrid_tamp.skills.alignment import turn_along
 from hybrid_tamp.skills.classes import StaticEndEffector, can_turn
 from hybrid_tamp.skills.paths import Share, follow_path
 from hybrid_tamp.skills.predicates import AT_REST, IN_WORKSPACE
-from hybrid_tamp.skills.primitives import advance, demonstrated_reach, straight_profile
+from hybrid_tamp.skills.primitives import Reference, advance, demonstrated_reach, straight_profile
 from hybrid_tamp.skills.roles import BODY, MOTION, get_token
-from hybrid_tamp.skills.servos import hand_servo, turn_wrists
+from hybrid_tamp.skills.servos import TurnReference, hand_servo, turn_wrists
 from hybrid_tamp.skills.timetable import Timetable
 from hybrid_tamp.skills.vectors import norm
 
@@ -75,11 +77,13 @@ class Transit:
         follow: ``follow(primitive, binding, start, parameters)`` returns the policy. The primitive is one-dimensional
             and generates the travelled share of the path. None stands for `straight_movement`. If `Parameters.path` is
             given, the policy follows this path.
+        sweep: ``sweep(primitive, binding, start, parameters)`` returns the course of the movement.
         speed: hyperparameter of the movement.
         duration: bounds of the duration.
     """
 
     follow: Callable[[DMP | None, Binding, State, Parameters], Policy]
+    sweep: Callable[[DMP | None, Binding, State, Parameters], Course]
     speed: Hyperparameter
     duration: Duration
 
@@ -105,8 +109,16 @@ def time_of_reach(
     return chosen, Duration(0.3, 12.0, lambda binding, state, values: float(values["duration"]) + settling)
 
 
-def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
-    """Return the policy of a hand that follows a planned path or the movement of the primitive to the goal."""
+class _Reach(NamedTuple):
+    """The references of a reach, for the position and the orientation of the hand, and its duration ``(...)`` [s]."""
+
+    position: Reference
+    orientation: TurnReference
+    duration: FloatArray
+
+
+def _plan(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> _Reach:
+    """Return the movement along a planned path, or the movement of the primitive to the goal."""
     hand = get_token(binding, "hand")
     origin, end = start[hand, "position"], goal.position(binding, start)
     begun = start[hand, "orientation"]
@@ -114,19 +126,32 @@ def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: Sta
     duration = parameters.hyperparameters["duration"]
     if parameters.path is None:
         movement = (primitive or demonstrated_reach()).trajectory(origin, end, duration)
-        timetable = Timetable(lambda elapsed: movement.at(elapsed)[:2], start)
         share: Share = partial(_turned, duration)
-    else:
-        turn = norm(rotation_vector(quaternion_multiply(turned, quaternion_conjugate(begun))))
-        angle = turn if can_turn(hand) else np.zeros_like(turn)
-        follow, share, _ = follow_path(origin, parameters.path, end, duration, angle)
-        timetable = Timetable(follow, start)
-    servo = hand_servo(hand, start)
+        return _Reach(lambda elapsed: movement.at(elapsed)[:2], turn_along(begun, turned, share), duration)
+    turn = norm(rotation_vector(quaternion_multiply(turned, quaternion_conjugate(begun))))
+    angle = turn if can_turn(hand) else np.zeros_like(turn)
+    travel = follow_path(origin, parameters.path, end, duration, angle)
+    return _Reach(travel.reference, turn_along(begun, turned, travel.turned), travel.duration)
+
+
+def _follow(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Policy:
+    """Return the policy of a hand that follows its references."""
+    hand, reach = get_token(binding, "hand"), _plan(goal, primitive, binding, start, parameters)
+    timetable, servo = Timetable(reach.position, start), hand_servo(hand, start)
 
     def policy(elapsed: FloatArray, state: State) -> Commands:
         return servo(state, *timetable(elapsed))
 
-    return policy if goal.orientation is None else turn_wrists(policy, {hand: turn_along(begun, turned, share)})
+    return policy if goal.orientation is None else turn_wrists(policy, {hand: reach.orientation})
+
+
+def _sweep(goal: ReachGoal, primitive: DMP | None, binding: Binding, start: State, parameters: Parameters) -> Course:
+    hand, reach = get_token(binding, "hand").name, _plan(goal, primitive, binding, start, parameters)
+    times = sample_times(reach.duration)
+    moved = {(hand, "position"): reach.position(times)[0]}
+    if goal.orientation is not None:
+        moved[hand, "orientation"] = reach.orientation(times)[0]
+    return Course.through(start, moved, times=times)
 
 
 def _turned(duration: FloatArray, elapsed: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -160,9 +185,10 @@ def make_reaching(
         return state.replace(changes)
 
     chosen, duration = time_of_reach(distance, 0.8, _SETTLING)
-    follow = partial(_follow, goal, primitive)
+    follow, sweep = partial(_follow, goal, primitive), partial(_sweep, goal, primitive)
     if transit is not None:
-        chosen, duration, follow = transit.speed, transit.duration, partial(transit.follow, primitive)
+        chosen, duration = transit.speed, transit.duration
+        follow, sweep = partial(transit.follow, primitive), partial(transit.sweep, primitive)
     return Block(
         name="REACHING" if mode is None else f"REACHING:{mode}",
         slots=(Slot("hand", goal.hand_class),),
@@ -181,6 +207,7 @@ def make_reaching(
         taught=lambda other: make_reaching(goal, mode, other, transit),
         movement=Movement("hand", "position", 3 if transit is None else 1),
         path="hand",
+        sweep=sweep,
         outcome=outcome,
         description=goal.description,
     )

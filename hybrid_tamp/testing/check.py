@@ -18,6 +18,7 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import SIMULATOR, open_backend
 from hybrid_tamp.testing.arrivals import Arrivals
 from hybrid_tamp.testing.batches import check_batches
+from hybrid_tamp.testing.courses import check_courses
 from hybrid_tamp.testing.disagreement import Disagreements
 from hybrid_tamp.testing.effects import Promises, check_undeclared, check_velocities, check_writes
 from hybrid_tamp.testing.ends import check_ends
@@ -158,6 +159,7 @@ class _Check:
         if not repeated:
             check_batches(rolled, self._found)
             check_facts(self._task, first, rolled, self._found, self._rng)
+            check_courses(rolled, self._found)
             check_ends(rolled, choice.bindings, self._found, self._rng)
             check_undeclared(self._task, rolled, self._found)
             self._promises.note(rolled)

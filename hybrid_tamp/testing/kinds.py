@@ -117,6 +117,10 @@ KINDS: Mapping[str, MistakeKind] = {
         "that `ends` does not list.",
         "correct the outcome, list the roles in 'ends', or remove the slot from 'ends'",
     ),
+    "sweep": MistakeKind(
+        "A token that the block moves is farther from its poses in the `sweep` of the block than planning allows for.",
+        "correct the sweep, or remove it: then planning rolls the block out",
+    ),
     "invariant": MistakeKind(
         "An entry condition held throughout all rollouts of a block, but is neither an invariant nor waived.",
         "declare the condition as an invariant, or map the condition to a reason in 'waived'",

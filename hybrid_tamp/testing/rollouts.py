@@ -42,6 +42,7 @@ class Rollouts:
             shape ``(n,)``.
         reached: whether the exit conditions of each row hold at its end, shape ``(n,)``.
         dt: time step [s].
+        chosen: maps each hyperparameter to its values, shape ``(n,)``.
     """
 
     block: Block
@@ -51,6 +52,7 @@ class Rollouts:
     lengths: NDArray[np.int64]
     reached: BoolArray
     dt: float
+    chosen: Mapping[str, FloatArray]
 
     @property
     def rows(self) -> list[int]:
@@ -138,7 +140,7 @@ def roll_out_rows(
         if reached[0] and passed >= _SLOWEST * lengths[0]:
             break
     lengths = np.minimum(lengths, len(history) - 1)
-    return Rollouts(block, binding, start, State(start.layout, np.array(history)), lengths, reached, dt)
+    return Rollouts(block, binding, start, State(start.layout, np.array(history)), lengths, reached, dt, chosen)
 
 
 def _declared(block: Block, binding: Binding, start: State, chosen: Mapping[str, FloatArray], row: int) -> float:

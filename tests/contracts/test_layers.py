@@ -45,7 +45,7 @@ TABLE: dict[str, tuple[str, ...]] = {
         "physics.protocol",
         "workers",
     ),
-    "testing": ("execution", "physics.protocol"),
+    "testing": ("collision", "execution", "physics.protocol"),
     "execution": ("collision", "physics.protocol"),
     "symbolic": ("feasibility",),
     "paths": ("collision", "robots"),

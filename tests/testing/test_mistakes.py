@@ -1,4 +1,4 @@
-"""Each of 25 kinds of mistakes is seeded into a correct domain, and is reported by kind, block and role."""
+"""Each of 27 kinds of mistakes is seeded into a correct domain, and is reported by kind, block and role."""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -14,6 +14,7 @@ from crates import CRATE, DOCK, DURATION, HAND, Change, Named, length
 from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.block import FLOOR, Duration, Target
 from hybrid_tamp.model.control import Hyperparameter
+from hybrid_tamp.model.course import Course
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.state import State
@@ -212,6 +213,8 @@ def mistakes_of_declarations() -> Iterator[Any]:
     }
     yield seed("broken", "PUSHING", "hand", calm, CALM)
     yield seed("contact", "PUSHING", "hand", {"PUSHING": {"allowed_contacts": (("crate", FLOOR),)}})
+    staying = {"sweep": lambda binding, start, parameters: Course(start.repeated(1))}
+    yield seed("sweep", "PUSHING", "crate", {"PUSHING": staying})
     yield seed("influence", "PUSHING", "stiffness", tuned(DURATION, IGNORED))
     yield seed("bounds", "PUSHING", "duration", tuned(replace(DURATION, within=lambda binding: (9.0, 2.0))))
     early = replace(DURATION, initial=lambda b, s: -crates.duration(b, s))
