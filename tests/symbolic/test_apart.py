@@ -23,7 +23,7 @@ from hybrid_tamp.planning.plan import plan_task
 from hybrid_tamp.symbolic.encoding.problem import compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer, PlannerProcess
 from hybrid_tamp.symbolic.engines.registry import FIRST
-from hybrid_tamp.symbolic.find_plan import find_plan
+from hybrid_tamp.symbolic.find_plan import WHOLE, find_plan
 from hybrid_tamp.symbolic.pddl.operators import PlanningProblem
 from hybrid_tamp.symbolic.strategies.allocation import cheapest_matching
 from hybrid_tamp.symbolic.strategies.goals_apart import APART, plan_goals_apart
@@ -31,7 +31,6 @@ from hybrid_tamp.symbolic.strategies.groups import goal_groups, helpers, least_h
 from hybrid_tamp.symbolic.strategies.in_turn import IN_TURN
 from hybrid_tamp.symbolic.strategies.needless import WITHOUT_NEEDLESS
 from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
-from hybrid_tamp.symbolic.strategies.with_facts import WHOLE
 
 
 class Counting:

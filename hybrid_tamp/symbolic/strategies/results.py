@@ -6,6 +6,7 @@ from dataclasses import replace
 from hybrid_tamp.errors import LimitReached
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerAnswer
+from hybrid_tamp.symbolic.relaxation import may_be_solvable
 from hybrid_tamp.symbolic.strategies.search import Search, SearchResult
 
 REFUSED = "The plans that were found fail in their predicted states: "
@@ -42,3 +43,9 @@ def not_found(result: SearchResult, refusals: Sequence[str]) -> SearchResult:
     said = f"{REFUSED}{'; '.join(dict.fromkeys(refusals))}." if refusals else result.answer.message
     answer = replace(result.answer, status="not_found", message=said)
     return replace(result, answer=answer, refusal="")
+
+
+def is_within_reach(search: Search) -> bool:
+    """Return whether the goal can be reached if no fact is ever deleted."""
+    with search.stage("compiling"):
+        return may_be_solvable(search.compilation.problem)
