@@ -12,14 +12,13 @@ from typing import Any
 from hybrid_tamp.model.affordance import ObjectClass
 from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.control import (
-    Commands,
-    ContinuousSystem,
     Hyperparameter,
     Hyperparameters,
     PolicyMaker,
     SystemMaker,
 )
-from hybrid_tamp.model.default_system import make_default_system
+from hybrid_tamp.model.default_system import make_default_system, stay
+from hybrid_tamp.model.key_pose import KeyPoses
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
@@ -76,14 +75,6 @@ Outcome = Callable[[Binding, State], State]
 """Pure function ``outcome(binding, state)`` that returns the expected state at the end of an instance."""
 
 
-def _rest(binding: Binding, start: State) -> ContinuousSystem:
-    return _stay
-
-
-def _stay(state: State, commands: Commands, dt: float) -> State:
-    return state
-
-
 def _measurable(literals: tuple[Literal, ...]) -> tuple[Literal, ...]:
     return tuple(literal for literal in literals if ANY not in literal.arguments)
 
@@ -109,6 +100,7 @@ class Block:
         keeps: predicates that read a written property, but whose atoms the block does not change.
         ends: maps a slot to targets. Together with the initial pose of the slot's token, these targets determine the
             final pose of the token, which `outcome` computes.
+        vertical: slots whose tokens move only up and down, and do not turn.
         hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
@@ -129,6 +121,8 @@ class Block:
             the policy ignores paths.
         straight: maps slots whose tokens always move straight to functions ``direction(binding, start)``, which return
             the unit vector ``(3,)`` of the movement. Proofs that a body blocks the movement use these directions.
+        key_poses: function ``key_poses(binding, start)`` that returns poses through which every execution of an
+            instance moves its tokens (see `model.key_pose`). Proofs that a body makes the instance impossible use them.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
             declared either, the final state is that of a rollout.
         description: description in one line.
@@ -146,6 +140,7 @@ class Block:
     writes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     keeps: tuple[Predicate, ...] = ()
     ends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    vertical: tuple[str, ...] = ()
     hyperparameters: tuple[Hyperparameter, ...] = ()
     hold: bool = False
     policy: PolicyMaker | None = None
@@ -157,6 +152,7 @@ class Block:
     movement: Movement | None = None
     path: str | None = None
     straight: Mapping[str, Callable[[Binding, State], FloatArray]] = field(default_factory=dict)
+    key_poses: KeyPoses | None = None
     outcome: Outcome | None = None
     description: str = ""
 
@@ -184,7 +180,7 @@ class Block:
         """The declared `system`, or the default system. Nothing moves if the block writes nothing."""
         if self.system is not None:
             return self.system
-        return partial(make_default_system, self) if self.moves else _rest
+        return partial(make_default_system, self) if self.moves else stay
 
     @property
     def others(self) -> tuple[Slot, ...]:

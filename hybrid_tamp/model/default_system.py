@@ -51,6 +51,11 @@ class Described(Protocol):
         ...
 
 
+def stay(binding: Binding, start: State) -> ContinuousSystem:
+    """Return the system of an instance that moves nothing."""
+    return lambda state, commands, dt: state
+
+
 def make_default_system(block: Described, binding: Binding, start: State) -> ContinuousSystem:
     """Return the default system of an instance of a block. `start` is the initial state."""
     written = {slot: token for slot in block.writes if isinstance(token := binding[slot], Token)}
