@@ -69,6 +69,8 @@ from hybrid_tamp.model.grasp import HANDLE_FRICTION as HANDLE_FRICTION
 from hybrid_tamp.model.grasp import PAD_FRICTION as PAD_FRICTION
 from hybrid_tamp.model.grasp import aperture_property as aperture_property
 from hybrid_tamp.model.grasp import grip_limits as grip_limits
+from hybrid_tamp.model.key_pose import SERVO_ERROR as SERVO_ERROR
+from hybrid_tamp.model.key_pose import KeyPose as KeyPose
 from hybrid_tamp.model.kind import Kind as Kind
 from hybrid_tamp.model.margins import SafetyFactor as SafetyFactor
 from hybrid_tamp.model.margins import without_rounding as without_rounding

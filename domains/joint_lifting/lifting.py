@@ -16,6 +16,7 @@ from hybrid_tamp.authoring import (
     Duration,
     FloatArray,
     Hyperparameter,
+    KeyPose,
     Movement,
     Parameters,
     Predicate,
@@ -25,12 +26,13 @@ from hybrid_tamp.authoring import (
 from hybrid_tamp.skills import STANDBY_GAP, UP, advance, gaps_to_faces, profile_of, straight_profile
 
 from .bearing import Plan
-from .places import FLOOR_TOLERANCE, Roles, height, places_of
+from .places import FLOOR_TOLERANCE, SLOTS, VERTICAL, Roles, height, place_at, places_of
 from .predicates import (
     CLEAR_OF,
     INSIDE,
     LOWEST_LIFT,
     RAISED,
+    RAISED_HEIGHT,
     STANDS,
     WITHIN_REACH,
     room_above,
@@ -43,6 +45,8 @@ GRASPED = 0.5
 """Time from the start of LIFTING until the hands squeeze the box fully and bear its weight [s]."""
 _USUAL, _HIGHEST = 0.15, 0.3
 """Height of a lift by default, and its largest height [m]."""
+_KEY_POSES = 6
+"""Number of heights of a box at which fixed bodies are compared with the box and its hands."""
 _SPEED = Hyperparameter("speed", "m/s", 0.03, 0.2, lambda b, s: np.asarray(0.1), "mean vertical speed")
 
 
@@ -98,7 +102,27 @@ def _lower(roles: Roles, profile: Profile, binding: Binding, start: State, param
 
 def _vertically(*args: Any, keeps: tuple[Predicate, ...] = (), **told: Any) -> Block:
     """Return a block of a box that moves only up and down, so its feasibility facts and its region do not change."""
-    return make_together(*args, keeps=(WITHIN_REACH, INSIDE, *keeps), **told)
+    return make_together(*args, keeps=(WITHIN_REACH, INSIDE, *keeps), vertical=("object",), **told)
+
+
+def _rising(crew: str, binding: Binding, start: State) -> list[KeyPose]:
+    """Return the poses of the box and of its hands while the box rises to the smallest height of a raised box."""
+    return _at_heights(Roles.of(crew, binding), start, np.linspace(0.0, RAISED_HEIGHT, _KEY_POSES))
+
+
+def _sinking(crew: str, binding: Binding, start: State) -> list[KeyPose]:
+    """Return the poses of the box and of its hands while the box sinks from this height to the floor."""
+    roles = Roles.of(crew, binding)
+    return _at_heights(roles, start, np.linspace(0.0, RAISED_HEIGHT, _KEY_POSES) - height(start, roles.thing))
+
+
+def _at_heights(roles: Roles, start: State, heights: FloatArray) -> list[KeyPose]:
+    """Return the poses of a box and of the hands that touch it, at heights above the start [m]."""
+    thing = roles.thing
+    poses = [("object", start[thing, "position"], start[thing, "orientation"])]
+    for (hand, place), slot in zip(roles.hands, SLOTS, strict=False):
+        poses.append((slot, place_at(start, hand, thing, place, 0.0), VERTICAL.orientation(start, hand)))
+    return [KeyPose(slot, at + each * UP, turn, FLOOR_TOLERANCE) for each in heights for slot, at, turn in poses]
 
 
 def lifting(mode: str, primitive: DMP | None = None) -> Block:
@@ -114,6 +138,7 @@ def lifting(mode: str, primitive: DMP | None = None) -> Block:
         hyperparameters=(Hyperparameter("height", "m", LOWEST_LIFT, _HIGHEST, usual, what), _SPEED),
         exit=(RAISED("object"), ~STANDS("object"), *at_places(crew)),
         duration=Duration(GRASPED, 12.0),
+        key_poses=partial(_rising, crew),
         taught=partial(lifting, mode),
         movement=Movement("object", "position", 1),
         description=f"{crew} close on a box, squeeze the box from opposite sides and lift it by friction",
@@ -153,6 +178,7 @@ def lowering(mode: str, primitive: DMP | None = None) -> Block:
         hyperparameters=(_SPEED,),
         exit=(STANDS("object"), ~RAISED("object"), *clear),
         duration=Duration(_CLOSING, 15.0),
+        key_poses=partial(_sinking, crew),
         taught=partial(lowering, mode),
         movement=Movement("object", "position", 1),
         description=f"{crew} set a box down and release the box",

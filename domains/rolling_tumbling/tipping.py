@@ -61,7 +61,7 @@ from .predicates import INSIDE, LIES_ON_SIDE, ON_ROLLING_LINE, WITHIN_WORKSPACE
 from .sliding import squeeze_range
 from .tumbling_geometry import edge_axis, edge_position
 from .tumbling_predicates import AT_FACE, HOLDS, LANDS, LEANS, LOWERS, POSTURE, STRONG_ENOUGH, TIPS
-from .turning import CLOSING, after_turning, keep_parallel, make_turning, sweep_turning
+from .turning import CLOSING, after_turning, keep_parallel, make_turning, poses_of_turn, sweep_turning
 from .turning_model import turning_system
 
 _LEAN_SQUEEZE = 25.0
@@ -146,6 +146,7 @@ def _tipping(
         system=turning_system,
         taught=partial(_tipping, mode, relation, squeeze, description, feasible),
         movement=Movement("object", "orientation", 1),
+        key_poses=poses_of_turn,
         outcome=after_turning,
         description=description,
     )

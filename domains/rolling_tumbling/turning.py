@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hybrid_tamp.authoring import (
+    SERVO_ERROR,
     Binding,
     Course,
     FloatArray,
+    KeyPose,
     Parameters,
     Policy,
     Profile,
@@ -44,7 +46,8 @@ from hybrid_tamp.skills import (
 )
 
 from .faces import edge_between, faces_of
-from .tumbling_geometry import edge_axis, edge_position, nominal_tilt, tilt
+from .standing import FLAT_TOLERANCE
+from .tumbling_geometry import edge_axis, edge_position, nominal_tilt, place_at, tilt
 from .turning_hands import ALIGNMENT
 
 CLOSING = 0.35
@@ -57,6 +60,11 @@ _LOOSENING = (0.82, 0.94)
 """Fractions of a turn onto a face at which the hands begin and finish to loosen their grip."""
 _LYING = float(np.radians(0.7))
 """Deviation from the flat posture [rad] at which the hands begin to loosen their grip if the box is early."""
+
+_KEY_POSES = 16
+"""Number of angles of a turn at which fixed bodies are compared with the box and its hands."""
+_SLIDING = 0.01
+"""Largest distance of a hand from its place on the turning box [m]."""
 
 
 @dataclass(frozen=True)
@@ -168,6 +176,28 @@ def _loose(phase: FloatArray, left: FloatArray) -> FloatArray:
     by_plan = (phase - _LOOSENING[0]) / (_LOOSENING[1] - _LOOSENING[0])
     by_angle = 1.0 - np.abs(left) / _LYING
     return np.asarray(minimum_jerk(np.maximum(by_plan, by_angle)))
+
+
+def poses_of_turn(binding: Binding, start: State) -> list[KeyPose]:
+    """Return poses of the box and of its hands from the start of a turn until the box may count as turned.
+
+    The box passes all angles in between. The hands touch their faces and turn with the box.
+    """
+    roles = Roles.of(binding)
+    thing, hands = roles.thing, dict(zip(("first", "second"), roles.contacts, strict=True))
+    pivot, axis = edge_position(start, thing, *roles.edge), edge_axis(start, thing, *roles.edge)
+    turn = roles.wanted - float(tilt(start, thing, *roles.edge))
+    begun = [("object", start[thing, "position"], start[thing, "orientation"], SERVO_ERROR)]
+    for slot, (hand, face) in hands.items():
+        place, lying = place_at(start, hand, thing, face, 0.0), ALIGNMENT.orientation(start, hand, thing, face)
+        begun.append((slot, place, lying, _SLIDING))
+    poses = []
+    for angle in np.sign(turn) * np.linspace(0.0, max(abs(turn) - FLAT_TOLERANCE, 0.0), _KEY_POSES):
+        turned = quaternion_from_axis_angle(axis, angle)
+        for slot, at, lying, within in begun:
+            orientation = quaternion_multiply(turned, lying)
+            poses.append(KeyPose(slot, pivot + rotate(turned, at - pivot), orientation, within))
+    return poses
 
 
 def after_turning(binding: Binding, state: State) -> State:

@@ -178,6 +178,12 @@ def _torque_work(binding: Binding, state: State, commands: Commands) -> FloatArr
     return np.asarray(torque**2 * norm(state[thing, "velocity"]))
 
 
+def _ahead(binding: Binding, start: State) -> FloatArray:
+    """Return the direction ``(3,)`` of the push."""
+    _, _, thing, region = _roles(binding)
+    return way(start, thing, region)[0]
+
+
 def _outcome(binding: Binding, state: State) -> State:
     """Return the state with the object at the centre of the region and the tool in contact behind the object."""
     hand, tool, thing, region = _roles(binding)
@@ -216,6 +222,7 @@ PUSHING = Block(
     invariants=(HELD("tool", "hand"), IN_WORKSPACE("hand")),
     writes={"hand": BODY, "tool": BODY, "object": BODY},
     ends={"object": ("region",)},
+    straight={"object": _ahead},
     allowed_contacts=(("hand", "tool"), ("tool", "object"), ("object", FLOOR)),
     hyperparameters=(
         # With wider bounds, a search would spend most of its time on pushes that end far outside the region.

@@ -14,6 +14,7 @@ from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.control import Hyperparameter, Hyperparameters, PolicyMaker, SystemMaker
 from hybrid_tamp.model.course import SweepMaker
 from hybrid_tamp.model.default_system import keep_still, make_default_system
+from hybrid_tamp.model.key_pose import KeyPoses
 from hybrid_tamp.model.measure import Measure
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.plan import split_mode
@@ -97,6 +98,7 @@ class Block:
         keeps: predicates that read a written property, but whose atoms the block does not change.
         ends: maps a slot to targets. Together with the initial pose of the slot's token, these targets determine the
             final pose of the token, which `outcome` computes.
+        vertical: slots whose tokens move only up and down, and do not turn.
         hyperparameters: policy parameters whose values are optimised.
         duration: bounds and an estimate for the duration of an instance.
         hold: whether an instance can continue after its exit conditions hold, in order to maintain these conditions.
@@ -119,6 +121,8 @@ class Block:
             along its reference of all tokens that the block moves. If None, only a rollout tells these poses.
         straight: maps slots whose tokens always move straight to functions ``direction(binding, start)``, which return
             the unit vector ``(3,)`` of the movement. Proofs that a body blocks the movement use these directions.
+        key_poses: function ``key_poses(binding, start)`` that returns poses through which every execution of an
+            instance moves its tokens (see `model.key_pose`). Proofs that a body makes the instance impossible use them.
         outcome: function that returns the expected final state, for scheduling. If None, and if `duration` is not
             declared either, the final state is that of a rollout.
         description: description in one line.
@@ -137,6 +141,7 @@ class Block:
     writes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     keeps: tuple[Predicate, ...] = ()
     ends: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    vertical: tuple[str, ...] = ()
     hyperparameters: tuple[Hyperparameter, ...] = ()
     hold: bool = False
     policy: PolicyMaker | None = None
@@ -149,6 +154,7 @@ class Block:
     path: str | None = None
     sweep: SweepMaker | None = None
     straight: Mapping[str, Callable[[Binding, State], FloatArray]] = field(default_factory=dict)
+    key_poses: KeyPoses | None = None
     outcome: Outcome | None = None
     description: str = ""
 

@@ -15,10 +15,12 @@ import numpy as np
 from hybrid_tamp.errors import InputError, Issue
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.kind import Kind
+from hybrid_tamp.model.margins import ROUNDING
 from hybrid_tamp.model.plan import BlockInstance
-from hybrid_tamp.model.predicate import Literal, Parameter, Predicate, Value, name_of
+from hybrid_tamp.model.predicate import Atom, Literal, Parameter, Predicate, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
+from hybrid_tamp.model.token import Token
 from hybrid_tamp.motion.arrays import FloatArray
 
 SAME_POSE = 0.01
@@ -28,6 +30,28 @@ MOST_FACTS = 200_000
 """Largest number of bindings of a block with forbidden bindings. Each permitted binding is a fact."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Region:
+    """The positions of a token at which an atom holds that says that the token is in a place.
+
+    Attributes:
+        token: name of the token.
+        predicate: predicate of the atom.
+        values: the token and the place.
+        world: state with the position of the place.
+    """
+
+    token: str
+    predicate: Predicate
+    values: tuple[Token, ...]
+    world: State
+
+    def depth(self, state: State) -> float:
+        """Return the margin of the atom for the position of the token in a state [m]."""
+        moved = self.world.replace({(self.token, "position"): state[self.token, "position"]})
+        return float(self.predicate.evaluate(moved, *self.values))
+
+
 @dataclass(frozen=True)
 class _Forbidden:
     """A forbidden binding as a tuple of names, and the poses in which it failed.
@@ -35,13 +59,20 @@ class _Forbidden:
     Attributes:
         names: tokens and symbols of the binding, in the order of `deciding_roles`.
         poses: triples of (token, property, values). Without poses, the binding is forbidden in all states.
+        region: place in which the binding fails at every position of a token, or None.
     """
 
     names: tuple[str, ...]
     poses: tuple[tuple[str, str, tuple[float, ...]], ...] = ()
+    region: _Region | None = None
 
-    def applies(self, state: State) -> bool:
-        """Return whether all tokens are where they were when the binding failed."""
+    def applies(self, state: State, radius: float = 0.0) -> bool:
+        """Return whether all tokens are where the binding failed, even if they are shifted by at most a radius [m]."""
+        if self.region is None:
+            return radius == 0.0 and self._same(state)
+        return self._same(state) and self.region.depth(state) >= radius - ROUNDING
+
+    def _same(self, state: State) -> bool:
         return all(
             bool((np.abs(state[token, name] - np.array(value)) <= SAME_POSE).all()) for token, name, value in self.poses
         )
@@ -54,16 +85,24 @@ class _Permission:
     forbidden: frozenset[_Forbidden]
 
     def __call__(self, state: State, *values: Value) -> FloatArray:
+        return self.bound(state, 0.0, *values)
+
+    def bound(self, state: State, radius: float, *values: Value) -> FloatArray:
+        """Return an upper bound of the margin after horizontal shifts of the tokens by at most `radius` [m]."""
         shape = state.values.shape[:-1]
         names = tuple(map(name_of, values))
         mine = [each for each in self.forbidden if each.names == names]
         single = [State(state.layout, row) for row in state.values.reshape(-1, state.layout.size)] if mine else []
-        held = [any(each.applies(one) for each in mine) for one in single] or [False]
+        held = [any(each.applies(one, radius) for each in mine) for one in single] or [False]
         return np.where(np.resize(held, shape), -1.0, 1.0)
 
 
 def forbid(
-    task: Task, instance: BlockInstance, state: State | None = None, roles_that_move: Sequence[str] = ()
+    task: Task,
+    instance: BlockInstance,
+    state: State | None = None,
+    roles_that_move: Sequence[str] = (),
+    wherever: Atom | None = None,
 ) -> Task:
     """Return the task with one more forbidden binding.
 
@@ -73,6 +112,8 @@ def forbid(
         state: state in which the instance began. None forbids the binding in all states.
         roles_that_move: roles of tokens. The binding is forbidden only for the poses of these tokens in `state`, and
             remains permitted if one of the tokens is elsewhere.
+        wherever: atom that says that one of these tokens is in a place. The binding is forbidden at every position of
+            the token in the place, with the orientation of the token in `state`.
 
     Raises:
         InputError: if the block has more than `MOST_FACTS` bindings.
@@ -90,10 +131,18 @@ def forbid(
         for token in (instance.roles[role] for role in moving)
         for name in _POSE
         if state is not None and (token, name) in state.layout.slices
+        if wherever is None or name != "position" or token not in wherever.arguments
     )
-    predicate = _permitted(block, roles, _forbidden(task, block.name) | {_Forbidden(names, poses)}, moving)
+    found = _Forbidden(names, poses, None if wherever is None else _region(task, wherever))
+    predicate = _permitted(block, roles, _forbidden(task, block.name) | {found}, moving)
     entry = (*_declared(block), Literal(predicate, roles))
     return task.replaced(domain=task.domain.with_blocks([replace(block, entry=entry)], [predicate]))
+
+
+def _region(task: Task, wherever: Atom) -> _Region:
+    values = tuple(task.token_by_name[name] for name in wherever.arguments)
+    token = next(each.name for each in values if not each.place)
+    return _Region(token, task.domain.predicate_by_name[wherever.predicate], values, task.state)
 
 
 def forbidden_bindings(task: Task, block: str) -> frozenset[tuple[str, ...]]:
@@ -131,11 +180,12 @@ def _permitted(
     block: Block, roles: tuple[str, ...], forbidden: frozenset[_Forbidden], moving: Sequence[str]
 ) -> Predicate:
     """Return the predicate that holds for all bindings of a block except the forbidden ones."""
-    said = _sentence(block, roles)
+    said, permission = _sentence(block, roles), _Permission(forbidden)
     return Predicate(
         name="permitted_" + block.name.replace(":", "_"),
         parameters=tuple(Parameter(role, block.roles[role]) for role in roles),
-        margin=_Permission(forbidden),
+        margin=permission,
+        bound=permission.bound,
         kind=Kind.STATIC,
         reads={role: _POSE for role in moving},
         by_name=True,

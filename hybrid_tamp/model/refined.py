@@ -90,6 +90,8 @@ class Shortfall:
         place: where a collision is deepest, or where a body leaves a table [m]. None for other conditions.
         proven: whether the binding fails with all hyperparameters and paths. A failed search proves nothing.
         kept: distance that the movement must keep from the other body [m]. Zero for other conditions.
+        wherever: atom that says that the moved object begins in a place. The binding then fails at every position in
+            the place. None if the binding fails at the predicted position.
     """
 
     where: str
@@ -100,6 +102,7 @@ class Shortfall:
     place: tuple[float, float, float] | None = None
     proven: bool = False
     kept: float = 0.0
+    wherever: Atom | None = None
 
     @property
     def text(self) -> str:

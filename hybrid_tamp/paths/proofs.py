@@ -93,13 +93,18 @@ def is_barred(
         arrives: function of the centre of the first ball that is not negative in the goal.
         aside: largest distance of the body from its straight way [m].
     """
-    start, slack = balls[0].start, aside + _FINEST / 2.0
-    way = np.arange(0.0, float(np.linalg.norm(balls[0].end - start)) + _FARTHER, _FINEST)[:, None] * direction
-    arrived = arrives(start + way) >= -slack
-    if not arrived.any():
-        return False  # The goal is farther away than the ways that are examined.
-    first = way[: int(np.argmax(arrived)) + 1]
-    return any(surely_within(body, ball.start + first, ball.radius - slack).any() for ball in balls for body in bodies)
+    way, slack = way_to_goal(balls[0], direction, arrives, aside), aside + _FINEST / 2.0
+    return any(surely_within(body, ball.start + way, ball.radius - slack).any() for ball in balls for body in bodies)
+
+
+def way_to_goal(ball: Ball, direction: FloatArray, arrives: Margins, aside: float) -> FloatArray:
+    """Return offsets ``(n, 3)`` [m] that a straight movement passes before it reaches its goal.
+
+    There are none if the goal is farther away than the ways that are examined. See `is_barred` for the arguments.
+    """
+    way = np.arange(0.0, float(np.linalg.norm(ball.end - ball.start)) + _FARTHER, _FINEST)[:, None] * direction
+    arrived = arrives(ball.start + way) >= -(aside + _FINEST / 2.0)
+    return way[: int(np.argmax(arrived)) + 1] if arrived.any() else way[:0]
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from hybrid_tamp.planning.detours import find_detour
 from hybrid_tamp.planning.giving_way import make_room, waiting_for
 from hybrid_tamp.planning.guards import make_guard
 from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
+from hybrid_tamp.planning.key_poses import prove_overlap
 from hybrid_tamp.planning.meetings import find_meeting, put_in_order
 from hybrid_tamp.planning.proofs import prove_blocked
 
@@ -130,8 +131,20 @@ def _find_change(
         note(movement.instance.name)
         hit = movement.find_hit()
         if hit is not None:
+            hopeless = _find_hopeless(task, movements)
+            if hopeless is not None:
+                return hopeless
             return replace(_avoid_body(task, refined, plan, movements, movement, hit), movement=index)
     return _avoid_meeting(task, refined, plan, movements, note)
+
+
+def _find_hopeless(task: Task, movements: Sequence[Sweep]) -> _Change | None:
+    """Return the reason why a movement of the plan cannot succeed, whatever its hyperparameters and paths are."""
+    for index, movement in enumerate(movements):
+        shortfall = prove_overlap(task, movement, movements[:index])
+        if shortfall is not None:
+            return _Change(shortfall=shortfall, movement=index)
+    return None
 
 
 def _avoid_body(
@@ -146,7 +159,7 @@ def _avoid_body(
     roomier = make_room(task, refined.plan, movements, movement, other) if ends_near else None
     if roomier is not None:
         return _Change(_reset(plan, roomier))
-    path, remark, proven = _find_way(task, movement)
+    path, remark, proven = _find_way(task, movements, movement)
     if path is not None:
         _LOG.info("%s follows a path with %d corners, because %s would be hit", name, len(path), other)
         return _Change(plan.with_path(name, path))
@@ -174,14 +187,14 @@ def _reset(plan: TaskPlan, changed: TaskPlan) -> TaskPlan:
     return replace(changed, instances=tuple(instances))
 
 
-def _find_way(task: Task, movement: Sweep) -> tuple[FloatArray | None, str, bool]:
+def _find_way(task: Task, movements: Sequence[Sweep], movement: Sweep) -> tuple[FloatArray | None, str, bool]:
     """Return a path for a movement that hits a body, or why there is none, and whether this is proven."""
     accepts = _accepts_path(task, movement)
     if accepts and not movement.instance.path:
         path = find_detour(task, movement, _seed(task, movement.instance.name))
         if path is not None:
             return path, "", False
-    proof = prove_blocked(task, movement)
+    proof = prove_blocked(task, movement, movements[: movements.index(movement)])
     return None, proof or ("and the search found no path around it" if accepts else ""), bool(proof)
 
 

@@ -178,7 +178,7 @@ def _exclude(planned: Task, current: Task, plan: TaskPlan, failing: BlockInstanc
     state = predict_states(planned, plan)[failing.name]
     moved = [role for role in block.roles if _is_moved(current, failing.roles[role])]
     equal = swap_equal_hands(current, failing, shortfall) if moved else [failing]
-    return reduce(lambda task, each: forbid(task, each, state, moved), equal, current)
+    return reduce(lambda task, each: forbid(task, each, state, moved, shortfall.wherever), equal, current)
 
 
 def _is_moved(task: Task, name: str) -> bool:

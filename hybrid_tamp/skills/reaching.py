@@ -15,6 +15,7 @@ import numpy as np
 from hybrid_tamp.model.block import Block, Duration, Slot, Target
 from hybrid_tamp.model.control import Commands, Hyperparameter, Parameters, Policy
 from hybrid_tamp.model.course import Course, sample_times
+from hybrid_tamp.model.key_pose import KeyPose
 from hybrid_tamp.model.movement import Movement
 from hybrid_tamp.model.predicate import Binding, Literal, Predicate
 from hybrid_tamp.model.state import State
@@ -184,6 +185,10 @@ def make_reaching(
             changes[hand, "orientation"] = goal.orientation(binding, state)
         return state.replace(changes)
 
+    def at_goal(binding: Binding, start: State) -> list[KeyPose]:
+        hand, reached = get_token(binding, "hand"), outcome(binding, start)
+        return [KeyPose("hand", reached[hand, "position"], reached[hand, "orientation"])]
+
     chosen, duration = time_of_reach(distance, 0.8, _SETTLING)
     follow, sweep = partial(_follow, goal, primitive), partial(_sweep, goal, primitive)
     if transit is not None:
@@ -208,6 +213,7 @@ def make_reaching(
         movement=Movement("hand", "position", 3 if transit is None else 1),
         path="hand",
         sweep=sweep,
+        key_poses=at_goal,
         outcome=outcome,
         description=goal.description,
     )

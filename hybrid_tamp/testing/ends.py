@@ -1,4 +1,8 @@
-"""Checks of `Block.ends`, which declares that a final pose depends only on the initial pose and on listed targets."""
+"""Checks of declared final poses.
+
+`Block.ends` declares that a final pose depends only on the initial pose and on listed targets. `Block.vertical`
+declares that a token only moves up and down.
+"""
 
 from collections.abc import Sequence
 
@@ -17,6 +21,8 @@ _DISTANCE = 0.05
 """Largest allowed distance between the declared and the final position [m], unless a listed region is larger."""
 _ANGLE = float(np.radians(5.0))
 """Largest angle between the declared and the final orientation [rad]."""
+_UPRIGHT_PATH = 5e-3
+"""Largest horizontal displacement of a token that only moves up and down [m]."""
 _SAME = 1e-6
 """Largest difference between equal poses [m or rad]."""
 _MOVED = 0.1
@@ -33,6 +39,8 @@ def check_ends(rolled: Rollouts, possible: Sequence[Binding], found: Disagreemen
         rng: random generator.
     """
     block = rolled.block
+    for slot in block.vertical:
+        _check_vertical(rolled, slot, found)
     for slot, targets in block.ends.items():
         declared = f"the final pose of {slot} depends only on {' and '.join(('its initial pose', *targets))}"
         if block.outcome is None:
@@ -41,6 +49,18 @@ def check_ends(rolled: Rollouts, possible: Sequence[Binding], found: Disagreemen
         _check_outcome(rolled, slot, targets, declared, found)
         _check_others(rolled, slot, targets, declared, possible, found)
         _check_surroundings(rolled, slot, targets, declared, found, rng)
+
+
+def _check_vertical(rolled: Rollouts, slot: str, found: Disagreements) -> None:
+    token = rolled.binding[slot]
+    assert isinstance(token, Token)
+    for row in rolled.rows:
+        end = rolled.end(row)
+        aside = float(np.linalg.norm((end[token, "position"] - rolled.start[token, "position"])[:2]))
+        _, angle = _differences(token, rolled.start, end)
+        if aside > _UPRIGHT_PATH or angle > _ANGLE:
+            declared, measured = f"{slot} only moves up and down", f"{slot} ends {_off(aside, angle)} off the vertical"
+            found.add("ends", rolled.block, rolled.binding, declared, measured, slot)
 
 
 def _check_outcome(rolled: Rollouts, slot: str, targets: Sequence[str], declared: str, found: Disagreements) -> None:

@@ -1,8 +1,9 @@
 """Whereabouts of a token: its start, the ends of its possible movements, and the remaining unknown poses.
 
 Blocks move a token from one node to another. `Block.ends` names the targets that decide where a token ends, and the
-outcome of the block is the pose. Ends at the same place, or at no place, with the same orientation are the same node.
-The exact position in such a node is unknown, so only upper bounds of margins are valid there.
+outcome of the block is the pose. A token that only moves up and down stays in its place (`Block.vertical`). Ends at the
+same place, or at no place, with the same orientation are the same node. The exact position in such a node is unknown,
+so only upper bounds of margins are valid there.
 """
 
 import math
@@ -130,6 +131,10 @@ class _Explorer:
 
     def _ends(self, block: Block, slot: str, node: Node) -> Iterator[tuple[tuple[Value, ...], Node]]:
         """Yield the values of the deciding targets and the end of each movement of the token in a slot."""
+        if slot in block.vertical and node.oriented:
+            raised = Node(f"{self.token.name} moved", self.token.name, node.pose, None, math.inf)
+            yield (), raised if node.place is None else node
+            return
         if slot not in block.ends or block.outcome is None:
             yield (), self.elsewhere
             return
