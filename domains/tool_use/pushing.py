@@ -138,7 +138,7 @@ def _sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
     places = start[hand, "position"] + np.array([still, came, came + pushed])
     values = sweep_held(start, hand, tool, places, np.array([start[tool, "orientation"], upright, upright]))
     values[thing.name, "position"] = start[thing, "position"] + np.array([still, still, pushed])
-    return Course.through(start, values, (0, 1, 2), _ASIDE)
+    return Course.through(start, values, _ASIDE)
 
 
 def _system(binding: Binding, start: State) -> ContinuousSystem:

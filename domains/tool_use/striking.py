@@ -124,7 +124,7 @@ def _sweep(binding: Binding, start: State, parameters: Parameters) -> Course:
     angles = np.concatenate([from_angle + done * (arc.beginning - from_angle), swung, [LEVEL - _ABOVE]])
     wound = start[hand, "position"] + done[:, None] * arc.way
     places = np.concatenate([wound, arc.hand_at(swung), arc.hand_at(np.array([LEVEL - _ABOVE]))])
-    return Course.through(start, sweep_held(start, hand, tool, places, attitude(yaw(start, tool), angles)), (0, -2, -1))
+    return Course.through(start, sweep_held(start, hand, tool, places, attitude(yaw(start, tool), angles)))
 
 
 def _raising(state: State, tool: Token, wanted: FloatArray) -> FloatArray:

@@ -26,14 +26,12 @@ class Course:
 
     Attributes:
         states: states of the instance's tokens from the start to the expected end, at least one. Shape ``(k,)``.
-        keys: rows of the states with poses that matter by themselves, e.g. those in which contacts begin or end.
         allowance: largest distance of a point of a body in a rollout from its place in the nearest state [m].
         times: elapsed times of the states [s], shape ``(k,)``. A rollout reaches each pose up to `SKEW` earlier or
             later. If None, the course says only where the tokens move, and not when.
     """
 
     states: State
-    keys: tuple[int, ...] = (0, -1)
     allowance: float = ALLOWANCE
     times: FloatArray | None = None
 
@@ -42,7 +40,6 @@ class Course:
         cls,
         start: State,
         values: Mapping[tuple[str, str], FloatArray],
-        keys: tuple[int, ...] = (0, -1),
         allowance: float = ALLOWANCE,
         times: FloatArray | None = None,
     ) -> "Course":
@@ -51,17 +48,11 @@ class Course:
         Args:
             start: state at the beginning, without batch dimensions.
             values: maps pairs of (token, property) to the values of the property along the course, shape ``(k, ...)``.
-            keys: see `Course`.
             allowance: see `Course`.
             times: see `Course`.
         """
         count = max(len(each) for each in values.values())
-        return cls(start.repeated(count).replace(values), keys, allowance, times)
-
-    @property
-    def key_poses(self) -> State:
-        """The states with poses that matter by themselves. Shape ``(n,)``."""
-        return State(self.states.layout, self.states.values[list(self.keys)])
+        return cls(start.repeated(count).replace(values), allowance, times)
 
     @property
     def end(self) -> State:

@@ -168,7 +168,7 @@ def sweep_pressed(
         values[hand.name, "orientation"] = np.repeat(kept[None], count, axis=0)
         values[hand.name, "orientation"][0] = start[hand, "orientation"]
     values = {key: np.broadcast_to(value, (count, value.shape[-1])) for key, value in values.items()}
-    return Course.through(start, values, (0, int(np.argmax(planned.closed)), -1), times=times)
+    return Course.through(start, values, times=times)
 
 
 def touches_face(gap: FloatArray) -> FloatArray:

@@ -167,7 +167,7 @@ class Push:
             values[thing.name, "orientation"] = quaternion_multiply(turned, start[thing, "orientation"])
         for name in ("position", "orientation"):
             values[hand.name, name][0] = start[hand, name]
-        course = Course.through(start, values, (0, 1, -1))
+        course = Course.through(start, values)
         if self.ground is None:
             return course
         above = self._above(binding, course.states, height_below(start, thing))

@@ -8,6 +8,7 @@ import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.making_way import makes_way
 from hybrid_tamp.model.predicate import Atom, Binding, Literal, Value, name_of
 from hybrid_tamp.model.state import State
 from hybrid_tamp.model.task import Task
@@ -84,10 +85,18 @@ class Chooser:
         possible = self.choices(first, state)
         wanted = [choice for choice in possible if self._done[choice.key] < self._due]
         if wanted:
-            return min(wanted, key=lambda c: (self._entered[c.block.name] > 0, self._done[c.key], self._rng.random()))
+            return min(wanted, key=self._rank)
         if min(self._entered.values(), default=0) >= self._due:
             return None
         return self._repeat(possible, state)
+
+    def _rank(self, choice: Choice) -> tuple[bool, bool, int, float]:
+        """Return a key. The choice with the smallest key comes first.
+
+        Blocks with which tokens give way come last, because the tokens then leave the places that other blocks need.
+        """
+        block = choice.block
+        return makes_way(block), self._entered[block.name] > 0, self._done[choice.key], self._rng.random()
 
     def _bindings(self, block: Block, holds: "_Conditions", facts: bool = False) -> Iterator[dict[str, Value]]:
         """Yield the bindings whose entry conditions and invariants hold.
@@ -102,6 +111,7 @@ class Chooser:
 
         An exit condition of the choice must not hold yet, so that the step leads to another state.
         """
+        possible = [choice for choice in possible if not makes_way(choice.block)]
         for index in self._rng.permutation(len(possible)):
             block, key, every = possible[index].block, possible[index].key, possible[index].bindings
             useful = [b for b in every if any(float(each.margin(state, b)) < 0 for each in block.measured_exits)]

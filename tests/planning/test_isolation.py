@@ -81,4 +81,4 @@ def test_a_plan_whose_check_aborts_is_not_found_and_the_reason_names_the_movemen
     assert outcome.failure is not None
     assert (outcome.failure.kind, outcome.plan) == ("not_refined", None)
     reasons = [each.shortfall.text for each in outcome.excluded]
-    assert reasons[0] == "REACHING-1 could not be checked: a library ended its process (signal SIGABRT)"
+    assert reasons[0] == "ROLLING-1 could not be checked: a library ended its process (signal SIGABRT)"

@@ -178,6 +178,6 @@ def test_a_plan_document_suggests_what_to_change() -> None:
     explanation = hybrid_tamp.plan(problem("tumble_one_hand"), trials=60).explanation
     assert explanation is not None
     (suggestion,) = explanation.suggestions
-    assert (suggestion.change.kind, suggestion.change.names) == ("token", ("hand-1", "box"))
+    assert (suggestion.change.kind, suggestion.change.names) == ("token", ("hand-1",))
     assert "one more token like hand-1" in suggestion.change.what
     assert suggestion.length > 10

@@ -34,18 +34,19 @@ def gap(state: State) -> FloatArray:
     return np.asarray(state["drum 0", "position"][..., 0] - state["hand 0", "position"][..., 0])
 
 
-def test_the_key_poses_of_a_push_are_its_start_the_contact_and_its_end() -> None:
+def test_the_course_of_a_push_has_its_start_the_contact_and_its_end() -> None:
     task = rolling_task()
     roles = {"hand": "hand 0", "object": "drum 0", "region": "region 0"}
     reach = course_of(task, "REACHING:behind", roles)
     assert reach is not None
     roll = course_of(task, "ROLLING", roles, reach.end, distance=0.5)
     assert roll is not None
-    start, contact, end = gap(roll.key_poses)
+    poses = State(roll.states.layout, roll.states.values[[0, 1, -1]])
+    start, contact, end = gap(poses)
     assert start - contact == pytest.approx(STANDOFF, abs=1e-3)
     assert contact == pytest.approx(0.1 + 0.035, abs=1e-3)
     assert end == pytest.approx(contact)
-    moved = roll.key_poses["drum 0", "position"] - task.state["drum 0", "position"]
+    moved = poses["drum 0", "position"] - task.state["drum 0", "position"]
     np.testing.assert_allclose(moved, [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.5, 0.0, 0.0]], atol=1e-9)
 
 
