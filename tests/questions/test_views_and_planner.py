@@ -98,8 +98,8 @@ def test_a_lying_hammer_affords_nothing() -> None:
     assert afforded_to(problem("hammer_strike", (upright, "pose: {position: [-0.25, 0, 0.046]}")), "robot") == []
 
 
-def test_two_hands_on_one_side_cannot_tip_a_box() -> None:
+def test_two_hands_on_one_side_can_tip_a_box() -> None:
     task = random_tumbling(0).replaced(agents={"robot": ("hand 1", "hand 2")})
     assert {each.block for each in afforded_to(task, "robot")} >= {"TIPPING:lower", "TILTING"}
     moved = task.state.replace({("hand 2", "position"): np.array([-0.5, 0.3, 0.55])})
-    assert afforded_to(task.replaced(state=moved), "robot") == []
+    assert "TIPPING:lower" in {each.block for each in afforded_to(task.replaced(state=moved), "robot")}

@@ -19,6 +19,7 @@ import numpy as np
 
 from hybrid_tamp.model.bindings import enumerate_bindings, names_of
 from hybrid_tamp.model.deadline import NEVER, Deadline
+from hybrid_tamp.model.making_way import makes_way
 from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.questions.imitate.hypotheses import Hypotheses, Hypothesis, Roles
@@ -139,7 +140,8 @@ class _Search:
         if hypothesis.block is None:
             resting = self.hypotheses.block(self.task.domain.resting)
             return ((resting.name, resting.anchor),)
-        return self.task.domain.network.destinations((hypothesis.block, hypothesis.slot_of(token)))
+        found = self.task.domain.network.destinations((hypothesis.block, hypothesis.slot_of(token)))
+        return tuple(each for each in found if not makes_way(self.hypotheses.block(each[0])))
 
     def _slot_choices(
         self, interpretation: Interpretation, reassignment: _Reassignment, name: str, slot: str, token: str
@@ -160,8 +162,7 @@ class _Search:
             yield tuple(zip(bound, names_of(bound), strict=True))
 
     def _continuations(self, interpretation: Interpretation, reassignment: _Reassignment) -> Iterator[Interpretation]:
-        row = self._instant(reassignment)
-        if row is None:
+        if (row := self._instant(reassignment)) is None:
             return
         paid = replace(interpretation, cost=interpretation.cost + self._unused_cost(reassignment))
         choices = [self.hypotheses.find(name, slots, targets, row) for name, slots, targets in reassignment.starting]
