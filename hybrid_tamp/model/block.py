@@ -112,8 +112,7 @@ class Block:
             role, a condition with one wildcard stands for all tokens for which the condition holds, e.g.
             ``("object", CLEARED(ANY, "tray"))`` for whatever already lies in the tray.
         performance: performance measures of an instance. The weighted sum of the measures is maximised.
-        taught: function ``taught(primitive)`` that returns a copy of the block with another motor primitive
-            (`motion.dmp.DMP`). None if the block has no motor primitive.
+        taught: function ``taught(primitive)`` that returns a copy with another `motion.dmp.DMP`. None without one.
         movement: movement that the motor primitive represents, or None.
         path: slot whose token follows `Parameters.path`, a path of the token's position, if the plan gives one. None if
             the policy ignores paths.

@@ -111,7 +111,7 @@ def avoid_collisions(
     varies = any(each.lower < each.upper for each in refined.hyperparameters)
     proven = change.shortfall is not None and change.shortfall.proven
     if proven or not varies or refined.shortfall is not None or attempt.repeated >= _MOST_GUARDS:
-        return attempt.refused or refused
+        return refused if proven else attempt.refused or refused
     movement = movements[change.movement]
     _LOG.info("%s must keep its distance from bodies", movement.instance.name)
     return attempt.with_guard(task, movement, change, refused)
