@@ -17,6 +17,7 @@ from hybrid_tamp.model.authored import authored
 from hybrid_tamp.model.block import Block
 from hybrid_tamp.model.control import CONTROL_PERIOD, Hyperparameters, Parameters
 from hybrid_tamp.model.course import Course
+from hybrid_tamp.model.key_pose import KeyPose
 from hybrid_tamp.model.predicate import Binding
 from hybrid_tamp.model.shapes import check_shape
 from hybrid_tamp.model.state import State
@@ -159,6 +160,23 @@ def declared_course(block: Block, binding: Binding, start: State, parameters: Pa
         shape = (*course.states.values.shape[:1], start.values.size)
         check_shape(where, binding, course.states.values, shape)
     return course
+
+
+def declared_key_poses(block: Block, binding: Binding, start: State) -> Sequence[KeyPose]:
+    """Return the key poses that the block declares for an instance, or an empty list.
+
+    Raises:
+        DomainError: the function raised an exception, or returned a pose of another shape.
+    """
+    if block.key_poses is None:
+        return []
+    where = f"{block.name}.key_poses"
+    with authored(where, binding):
+        poses = block.key_poses(binding, start)
+    for pose in poses:
+        check_shape(where, binding, pose.position, (3,))
+        check_shape(where, binding, pose.orientation, (4,))
+    return poses
 
 
 def _roll_out_together(beginnings: Sequence[Beginning]) -> list[_Rolled]:

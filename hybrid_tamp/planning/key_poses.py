@@ -12,6 +12,7 @@ import numpy as np
 
 from hybrid_tamp.collision.overlaps import Margins, Overlap, overlaps_everywhere
 from hybrid_tamp.model.block import Block
+from hybrid_tamp.model.expectation import declared_key_poses
 from hybrid_tamp.model.key_pose import KeyPose
 from hybrid_tamp.model.plan import BlockInstance
 from hybrid_tamp.model.predicate import Atom, Literal
@@ -48,13 +49,13 @@ def prove_overlap(task: Task, movement: Sweep, before: Sequence[Sweep]) -> Short
     """
     instance = movement.instance
     block = task.domain.block_by_name[instance.block]
-    if block.key_poses is None:
+    poses = declared_key_poses(block, task.bind(instance.roles), movement.trace.world)
+    if not poses:
         return None
     loose = [name for name in instance.roles.values() if not is_determined(task, name, before)]
     spread = _find_spread(task, movement, loose[0], before) if len(loose) == 1 else None
     if loose and spread is None:
         return None
-    poses = block.key_poses(task.bind(instance.roles), movement.trace.world)
     obstructions = [obstruct(task, movement, each) for each in poses if not _may_begin(task, block, instance, each)]
     found = [each.find(np.zeros(3)) for each in obstructions]
     worst = max((each for each in found if each), key=lambda each: each.depth, default=None)

@@ -24,6 +24,7 @@ from hybrid_tamp.testing.effects import Promises, check_undeclared, check_veloci
 from hybrid_tamp.testing.ends import check_ends
 from hybrid_tamp.testing.entering import report_closed, report_unestablished
 from hybrid_tamp.testing.facts import check_facts, check_keeps
+from hybrid_tamp.testing.key_poses import check_key_poses
 from hybrid_tamp.testing.laws import check_laws
 from hybrid_tamp.testing.margins import check_margins
 from hybrid_tamp.testing.refusals import add_refusal, predicates_of
@@ -160,6 +161,7 @@ class _Check:
             check_batches(rolled, self._found)
             check_facts(self._task, first, rolled, self._found, self._rng)
             check_courses(rolled, self._found)
+            check_key_poses(rolled, self._found)
             check_ends(rolled, choice.bindings, self._found, self._rng)
             check_undeclared(self._task, rolled, self._found)
             self._promises.note(rolled)

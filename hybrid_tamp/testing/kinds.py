@@ -121,6 +121,10 @@ KINDS: Mapping[str, MistakeKind] = {
         "A token that the block moves is farther from its poses in the `sweep` of the block than planning allows for.",
         "correct the sweep, or remove it: then planning rolls the block out",
     ),
+    "key_pose": MistakeKind(
+        "A rollout that reached its exit conditions did not pass a pose in the `key_poses` of the block.",
+        "remove the pose, or declare the distance within which every execution passes the pose in 'within'",
+    ),
     "invariant": MistakeKind(
         "An entry condition held throughout all rollouts of a block, but is neither an invariant nor waived.",
         "declare the condition as an invariant, or map the condition to a reason in 'waived'",

@@ -81,4 +81,4 @@ def test_a_place_inside_a_wall_is_named(tmp_path: Path) -> None:
     outcome = hybrid_tamp.plan(write_task(tmp_path, [([-0.2, 0.0, 0.3], [0.07, 0.4, 0.3])]))
     assert outcome.plan is None
     assert "hand hits wall-0" in str(outcome.error)
-    assert "where the movement ends" in str(outcome.error)
+    assert "which no execution of this movement avoids" in str(outcome.error)

@@ -1,4 +1,4 @@
-"""Each of 27 kinds of mistakes is seeded into a correct domain, and is reported by kind, block and role."""
+"""Each of 28 kinds of mistakes is seeded into a correct domain, and is reported by kind, block and role."""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -15,12 +15,14 @@ from hybrid_tamp.errors import DomainError
 from hybrid_tamp.model.block import FLOOR, Duration, Target
 from hybrid_tamp.model.control import Hyperparameter
 from hybrid_tamp.model.course import Course
+from hybrid_tamp.model.key_pose import KeyPose
 from hybrid_tamp.model.kind import Kind
 from hybrid_tamp.model.predicate import Predicate
 from hybrid_tamp.model.state import State
 from hybrid_tamp.testing import KINDS, check_domain
 
 ROOT = Path(__file__).parent.parent.parent
+ABOVE, UPRIGHT = np.array([0.0, 0.0, 9.0]), np.array([0.0, 0.0, 0.0, 1.0])
 MARGINS = {each.name: each.margin for each in crates.PREDICATES}
 
 
@@ -215,6 +217,8 @@ def mistakes_of_declarations() -> Iterator[Any]:
     yield seed("contact", "PUSHING", "hand", {"PUSHING": {"allowed_contacts": (("crate", FLOOR),)}})
     staying = {"sweep": lambda binding, start, parameters: Course(start.repeated(1))}
     yield seed("sweep", "PUSHING", "crate", {"PUSHING": staying})
+    away = {"key_poses": lambda binding, start: [KeyPose("crate", ABOVE, UPRIGHT)]}
+    yield seed("key_pose", "PUSHING", "crate", {"PUSHING": away})
     yield seed("influence", "PUSHING", "stiffness", tuned(DURATION, IGNORED))
     yield seed("bounds", "PUSHING", "duration", tuned(replace(DURATION, within=lambda binding: (9.0, 2.0))))
     early = replace(DURATION, initial=lambda b, s: -crates.duration(b, s))
