@@ -59,6 +59,23 @@ class Course:
         """The state at the end, without batch dimensions."""
         return State(self.states.layout, self.states.values[-1])
 
+    def paced(self, seconds: float) -> State:
+        """Return the states ``(t,)`` at each control period of a movement that takes some seconds.
+
+        A course without times is passed uniformly from state to state.
+        """
+        layout, values = self.states.layout, self.states.values.copy()
+        turns = [columns for (_, name), columns in layout.slices.items() if name == "orientation"]
+        for columns in turns:  # A quaternion and its negative are the same orientation.
+            flips = np.sign((values[1:, columns] * values[:-1, columns]).sum(axis=1, keepdims=True))
+            values[1:, columns] *= np.cumprod(np.where(flips < 0.0, -1.0, 1.0), axis=0)
+        times = np.linspace(0.0, seconds, len(values)) if self.times is None else self.times
+        instants = np.arange(round(seconds / CONTROL_PERIOD) + 1) * CONTROL_PERIOD
+        found = np.stack([np.interp(instants, times, column) for column in values.T], axis=1)
+        for columns in turns:
+            found[:, columns] /= np.linalg.norm(found[:, columns], axis=1, keepdims=True)
+        return State(layout, found)
+
 
 SweepMaker = Callable[[Binding, State, Parameters], Course | None]
 """``sweep(binding, start, parameters)`` returns the course of an instance, or None if no reference tells it.

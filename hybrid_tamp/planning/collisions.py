@@ -16,12 +16,12 @@ from hybrid_tamp.motion.arrays import FloatArray
 
 
 def check_plan(task: Task, plan: TaskPlan, traces: Mapping[str, Trace]) -> tuple[Collision, ...]:
-    """Return the collisions in the rollout of a plan.
+    """Return the collisions in the movements of a plan.
 
     Args:
         task: task of the plan.
-        plan: plan with the times of the rollout.
-        traces: maps each instance that moves tokens to its movement in the rollout.
+        plan: plan with the times of the movements.
+        traces: maps each instance that moves tokens to its movement, with one state for each control period.
     """
     return find_collisions(task, plan.instances, *lay_out(task, plan, traces))
 

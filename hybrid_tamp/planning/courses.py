@@ -1,10 +1,11 @@
 """Comparison of the movements of a plan without a rollout: the courses that its blocks declare.
 
 The end of one instance's course gives the poses at which the next one begins. A rollout stays within the allowances of
-the courses. So if no course comes nearer to a body, a rollout cannot hit anything, and nothing else is necessary.
+the courses. So if no course comes nearer to a body, a rollout cannot hit anything. The independent check then confirms
+the courses.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
@@ -25,6 +26,8 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.model.view import View
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Neighbour, Sweep, find_sweeps
+from hybrid_tamp.planning.collisions import check_plan
+from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
 from hybrid_tamp.planning.meetings import compared_tracks
 from hybrid_tamp.planning.overhangs import find_overhang
 
@@ -53,9 +56,9 @@ def may_collide(task: Task, plan: TaskPlan, deadline: Deadline = NEVER) -> bool:
         (movement, courses[movement.instance.name].course)
         for movement in find_sweeps(task, plan, traces, deadline, every=1)
     ]
-    return any(_leaves_table(task, *each) or _is_near_bodies(*each) for each in movements) or _may_meet(
-        task, plan, movements
-    )
+    if any(_leaves_table(task, *each) or _is_near_bodies(*each) for each in movements):
+        return True
+    return _may_meet(task, plan, movements) or not _is_confirmed(task, plan, courses, deadline)
 
 
 class Followed(NamedTuple):
@@ -123,6 +126,21 @@ class _Chain:
         values = {**block.initial_values(binding, start), **instance.hyperparameters}
         chosen = {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
         return declared_course(block, binding, start, Parameters.along(instance.path, chosen))
+
+
+def _is_confirmed(task: Task, plan: TaskPlan, courses: Mapping[str, Followed], deadline: Deadline) -> bool:
+    """Return whether the independent check finds no collision if all instances follow their courses as scheduled."""
+    lengths = {each.name: each.end - each.start for each in plan.instances}
+    traces = {name: Trace(each.course.paced(lengths[name]), each.world) for name, each in courses.items()}
+
+    def check(note: Note) -> bool:
+        note("the check of the whole plan")
+        return not check_plan(task, plan, traces)
+
+    try:
+        return run_isolated(check, deadline)
+    except ChildEnded:
+        return False  # The rollouts are compared next, and their check says what failed.
 
 
 def _leaves_table(task: Task, movement: Sweep, course: Course) -> bool:

@@ -161,6 +161,21 @@ def _turned(duration: FloatArray, elapsed: FloatArray) -> tuple[FloatArray, Floa
     return advance(straight_profile(), elapsed - begin * duration, (end - begin) * duration)
 
 
+def _arrive(goal: ReachGoal, binding: Binding, state: State) -> State:
+    """Return the state ``(...)`` with the hand at the goal."""
+    hand = get_token(binding, "hand").name
+    changes = {(hand, "position"): goal.position(binding, state)}
+    if goal.orientation is not None:
+        changes[hand, "orientation"] = goal.orientation(binding, state)
+    return state.replace(changes)
+
+
+def _key_poses(goal: ReachGoal, binding: Binding, start: State) -> list[KeyPose]:
+    """Return the pose of the hand at the goal."""
+    hand, reached = get_token(binding, "hand"), _arrive(goal, binding, start)
+    return [KeyPose("hand", reached[hand, "position"], reached[hand, "orientation"])]
+
+
 def make_reaching(
     goal: ReachGoal, mode: str | None = None, primitive: DMP | None = None, transit: Transit | None = None
 ) -> Block:
@@ -177,17 +192,6 @@ def make_reaching(
     def distance(binding: Binding, state: State) -> FloatArray:
         way = goal.position(binding, state) - state[get_token(binding, "hand"), "position"]
         return np.asarray(np.linalg.norm(way, axis=-1))
-
-    def outcome(binding: Binding, state: State) -> State:
-        hand = get_token(binding, "hand").name
-        changes = {(hand, "position"): goal.position(binding, state)}
-        if goal.orientation is not None:
-            changes[hand, "orientation"] = goal.orientation(binding, state)
-        return state.replace(changes)
-
-    def at_goal(binding: Binding, start: State) -> list[KeyPose]:
-        hand, reached = get_token(binding, "hand"), outcome(binding, start)
-        return [KeyPose("hand", reached[hand, "position"], reached[hand, "orientation"])]
 
     chosen, duration = time_of_reach(distance, 0.8, _SETTLING)
     follow, sweep = partial(_follow, goal, primitive), partial(_sweep, goal, primitive)
@@ -213,7 +217,7 @@ def make_reaching(
         movement=Movement("hand", "position", 3 if transit is None else 1),
         path="hand",
         sweep=sweep,
-        key_poses=at_goal,
-        outcome=outcome,
+        key_poses=partial(_key_poses, goal),
+        outcome=partial(_arrive, goal),
         description=goal.description,
     )
