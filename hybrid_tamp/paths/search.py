@@ -23,6 +23,10 @@ _SHORT = 2_000
 """Number of checks after which a short search ends."""
 _GAPS = 3
 """Largest number of narrow places that are tried."""
+_CLEAR = 1e-3
+"""Slack from which a position counts as clear of all bodies [m]."""
+_STEPS = (0.03, 0.01)
+"""Lengths of the steps away from a body that are tried [m]."""
 _QUESTIONS = 20_000
 """Largest number of iterations of the search, because an iteration need not check a position."""
 
@@ -43,13 +47,41 @@ def find_path(
     try:
         if min(space.slack(start), space.slack(goal)) <= 0.0:
             return None
+        if space.is_free(start, goal):
+            return np.array([start, goal])
         box = np.array([lower, upper])
-        path = _search(space, start, goal, box, seed, _SHORT)
+        ends = _step_away(space, start), _step_away(space, goal)
+        path = _search(space, *ends, box, seed, _SHORT)
         if path is None:
-            path = _search_through_gap(space, start, goal, box, seed)
-        return _search(space, start, goal, box, seed) if path is None else path
+            path = _search_through_gap(space, *ends, box, seed)
+        path = _search(space, *ends, box, seed) if path is None else path
     except OutOfChecks:
         return None
+    return None if path is None else _join(start, path, goal)
+
+
+def _step_away(space: FreeSpace, position: FloatArray) -> FloatArray:
+    """Return the end of a free step away from the nearest body, or the position itself if it is clear of all bodies.
+
+    From a position in contact, only segments nearly along the normal of the contact are proven free. Random samples
+    hardly ever lie in this direction.
+    """
+    if space.slack(position) > _CLEAR:
+        return position
+    offsets = _CLEAR * np.eye(3)
+    slope = np.array([space.slack(position + each) - space.slack(position - each) for each in offsets])
+    for step in _STEPS if slope.any() else ():
+        away = position + step * slope / np.linalg.norm(slope)
+        if space.is_free(position, away):
+            return np.asarray(away)
+    return position
+
+
+def _join(start: FloatArray, path: FloatArray, goal: FloatArray) -> FloatArray:
+    """Return the corners of a path with its ends, unless the path has these ends."""
+    first = [] if np.array_equal(start, path[0]) else [start]
+    last = [] if np.array_equal(goal, path[-1]) else [goal]
+    return np.array([*first, *path, *last])
 
 
 def _search_through_gap(

@@ -13,16 +13,18 @@ from hybrid_tamp.symbolic.with_whereabouts import Plan, plan_whereabouts
 
 
 def prefer(task: Task) -> Task | None:
-    """Return the task in which preferences are entry conditions, or None if no block has preferences."""
+    """Return the task in which preferences are entry conditions, or None if no tokens fit a block that has some."""
     blocks = [
-        replace(block, entry=(*block.entry, *block.preferences)) for block in task.domain.blocks if block.preferences
+        replace(block, entry=(*block.entry, *block.preferences))
+        for block in task.domain.blocks
+        if block.preferences and all(map(task.values_of, block.roles.values()))
     ]
     predicates = [literal.predicate for block in blocks for literal in block.preferences]
     return task.replaced(domain=task.domain.with_blocks(blocks, predicates)) if blocks else None
 
 
 def begin_with_preferences(search: Search) -> Search:
-    """Return the search with the preferences, or the given search if no block has preferences."""
+    """Return the search with the preferences, or the given search if there are none."""
     preferred = prefer(search.task)
     if preferred is None:
         return search

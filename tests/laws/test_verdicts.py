@@ -20,8 +20,8 @@ from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
-from hybrid_tamp.symbolic.pddl.joins import FactIndex, join
-from hybrid_tamp.symbolic.pddl.operators import Operator
+from hybrid_tamp.symbolic.pddl.joins import FactIndex, bind_condition, join
+from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningProblem
 from hybrid_tamp.symbolic.reencode import reencode
 from hybrid_tamp.symbolic.schedule import schedule
 from hybrid_tamp.symbolic.temporal.compilation import compile_durative
@@ -48,7 +48,10 @@ def walk(compilation: Compilation, rng: random.Random, length: int) -> list[Plan
         operators = list(compilation.problem.domain.operators)
         rng.shuffle(operators)
         index = FactIndex(sorted(facts))
-        found = next(filter(None, (choose_instance(operator, index, rng) for operator in operators)), None)
+        chosen = (
+            choose_instance(operator, index, ranges_of(compilation.problem, operator), rng) for operator in operators
+        )
+        found = next(filter(None, chosen), None)
         if found is None:
             break
         operator, binding = found
@@ -59,7 +62,20 @@ def walk(compilation: Compilation, rng: random.Random, length: int) -> list[Plan
     return best
 
 
-def choose_instance(operator: Operator, index: FactIndex, rng: random.Random) -> tuple[Operator, dict[str, str]] | None:
+def ranges_of(problem: PlanningProblem, operator: Operator) -> dict[str, list[str]]:
+    """Return a dictionary that maps each variable of an operator to the objects of its type."""
+    parents = dict(problem.domain.types)
+    kinds: dict[str, set[str]] = {}
+    for name, kind in (*problem.objects, *problem.domain.constants):
+        while kind:
+            kinds.setdefault(kind, set()).add(name)
+            kind = parents.get(kind, "")
+    return {variable: sorted(kinds.get(kind, ())) for variable, kind in operator.parameters}
+
+
+def choose_instance(
+    operator: Operator, index: FactIndex, ranges: dict[str, list[str]], rng: random.Random
+) -> tuple[Operator, dict[str, str]] | None:
     """Return a random applicable instance of the operator."""
     conditions = operator.precondition
     seeds = [fact for fact in sorted(index.facts) if fact[0].startswith("in-")]
@@ -67,8 +83,8 @@ def choose_instance(operator: Operator, index: FactIndex, rng: random.Random) ->
     for seed in seeds:
         for condition in conditions:
             if condition[0] == seed[0]:
-                start = dict(zip(condition[1:], seed[1:], strict=True))
-                binding = next(join(conditions, start, index), None)
+                start = bind_condition(condition, seed, {}, ranges)
+                binding = None if start is None else next(join(conditions, start, index, ranges), None)
                 if binding is not None:
                     return operator, binding
     return None

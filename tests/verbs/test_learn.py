@@ -147,7 +147,8 @@ def test_taught_blocks_differ_in_nothing_else() -> None:
         assert block.movement is not None
         other = block.taught(DMP(np.zeros((7, block.movement.dimensions))))
         changed = {f.name for f in fields(block) if getattr(block, f.name) != getattr(other, f.name)}
-        assert changed <= {"policy", "system", "duration", "taught", "outcome", "hyperparameters"}, block
+        made = {"policy", "system", "duration", "taught", "outcome", "hyperparameters", "sweep", "key_poses"}
+        assert changed <= made, block
         assert [h.name for h in block.hyperparameters] == [h.name for h in other.hyperparameters]
         assert (block.duration.minimum, block.duration.maximum) == (other.duration.minimum, other.duration.maximum)
 

@@ -79,36 +79,49 @@ def swap_tokens(search: Search, best: Candidate) -> Candidate:
     resting = search.original.domain.resting
     moving = {name for each in best.plan.instances if each.block != resting for name in each.slots.values()}
     groups = [[name for name in group if name in moving] for group in interchangeable(search.task)]
-    for pair in [pair for group in groups for pair in combinations(group, 2)]:
+    pairs = [pair for group in groups for pair in combinations(group, 2)]
+    with search.stage("scheduling"):  # As one batch, the rollouts of all pairs cost little more than those of one pair.
+        search.expectations.of([each for pair in pairs for each in _exchange(search, best.plan, pair)])
+    for pair in pairs:
         search.deadline.check()
         one, other = map(compilation.words.name, pair)
         actions = [rename_arguments(action, {one: other, other: one}) for action in best.plan.actions]
         with search.stage("scheduling"):
-            possible = compilation.reaches_goal(actions) and _may_shorten(search, best.plan, *pair)
+            possible = compilation.reaches_goal(actions) and _may_shorten(search, best.plan, pair)
             swapped = _schedule(compilation, actions, search.estimates) if possible else None
         if swapped is not None and _sum_times(swapped) < _sum_times(best.plan) - 1e-6:
             best = search.judge(Candidate(f"{best.way}, {SWAPPED}", swapped)) or best
     return best
 
 
-def _may_shorten(search: Search, plan: TaskPlan, one: str, other: str) -> bool:
+def _may_shorten(search: Search, plan: TaskPlan, pair: tuple[str, str]) -> bool:
     """Return whether a swap of two tokens shortens their first movements, according to rollouts of these movements."""
-    task, firsts = search.task, [_first_movement(search, plan, name) for name in (one, other)]
-    if firsts[0] is firsts[1]:
-        return True
-    states, swap = predict_states(task, plan, search.estimates), {one: other, other: one}
+    firsts = _first_movements(search, plan, pair)
+    swapped = sum(expected.seconds for expected in search.expectations.of(_exchange(search, plan, pair)))
+    return len(firsts) == 1 or swapped < sum(e.reached - e.start for e in firsts if e.reached is not None)
+
+
+def _exchange(search: Search, plan: TaskPlan, pair: tuple[str, str]) -> list[Beginning]:
+    """Return the beginnings of the first movements of two tokens after a swap, or nothing if they share a movement."""
+    task, firsts = search.task, _first_movements(search, plan, pair)
+    if len(firsts) == 1:
+        return []
+    states, swap = predict_states(task, plan, search.estimates), dict(zip(pair, reversed(pair), strict=True))
     beginnings = []
     for first in firsts:
-        block, mine = (
-            task.domain.block_by_name[first.block],
-            {swap[name] for name in first.slots.values() if name in swap},
-        )
+        block = task.domain.block_by_name[first.block]
+        mine = {swap[name] for name in first.slots.values() if name in swap}
         binding = task.bind({role: swap.get(name, name) for role, name in first.roles.items()})
         waiting = {key: task.state[key] for key in task.state.layout.slices if key[0] in mine}
         state = states[first.name].replace(waiting)
         beginnings.append(Beginning(block, binding, state, block.initial_values(binding, state)))
-    swapped = sum(expected.seconds for expected in search.expectations.of(beginnings))
-    return swapped < sum(first.reached - first.start for first in firsts if first.reached is not None)
+    return beginnings
+
+
+def _first_movements(search: Search, plan: TaskPlan, pair: tuple[str, str]) -> list[BlockInstance]:
+    """Return the first movement of each token, or one movement if it is the first one of both tokens."""
+    firsts = [_first_movement(search, plan, name) for name in pair]
+    return firsts if firsts[0] is not firsts[1] else firsts[:1]
 
 
 def _first_movement(search: Search, plan: TaskPlan, token: str) -> BlockInstance:

@@ -96,12 +96,17 @@ class Situation:
         return next(each[-1] for each in self.nodes.rows[block.name, slot] if each[:-1] == row)
 
     def excluded(self, broken: Iterable[tuple[BrokenCondition, BlockInstance]]) -> set[Excluded]:
-        """Return the conditions that failed, each given with its instance in a plan of a situated task."""
+        """Return the conditions that failed, each given with its instance in a plan of a situated task.
+
+        If a condition did not mention the nodes, no row is excluded. But because the condition is in the result, it
+        mentions the nodes from now on.
+        """
         found = set()
         for each, instance in broken:
             block = self.task.domain.block_by_name[instance.block]
             roles, names = dict(self.tracking.conditions(block))[each.literal], before_names(self.tracking, block)
-            row = (*each.atom.arguments, *(instance.targets[names[role]] for role in roles))
+            nodes = tuple(instance.targets[names[role]] for role in roles if names[role] in instance.targets)
+            row = (*each.atom.arguments, *nodes) if len(nodes) == len(roles) else ()
             found.add((_key(each.literal, roles), row))
         return found
 
