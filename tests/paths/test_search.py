@@ -1,5 +1,6 @@
 """Paths through free space: clear of all bodies, equal for equal seeds, and none where there is no way."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -53,6 +54,19 @@ def test_every_path_keeps_its_distance(x: float, y: float, width: float, yaw: fl
         return
     assert np.array_equal(path[[0, -1]], [START, GOAL])
     assert gap_along(path, obstacle) > MARGIN - 2e-3
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_hand_in_contact_steps_away_from_the_body_first(seed: int) -> None:
+    """Only segments near the normal of the contact are proven free, and samples hardly ever lie there."""
+    start = np.array([-0.035 - 0.03 - 2e-5, 0.0, 0.3])
+    touched = replace(wall(0.0, 0.0, (0.03, 0.3, 0.4)), margin=1e-5)
+    space = space_with(touched, most=2_000)
+    path = find_path(space, start, GOAL, LOWER, UPPER, seed)
+    assert path is not None
+    assert np.array_equal(path[[0, -1]], [start, GOAL])
+    step = path[1] - start
+    assert step[0] == pytest.approx(-np.linalg.norm(step), rel=1e-3)
 
 
 def test_a_straight_way_needs_no_search() -> None:
