@@ -5,16 +5,19 @@ from math import isfinite
 
 from hybrid_tamp.execution.execute import add_predictions, execute
 from hybrid_tamp.midlevel.measured import measure_run
-from hybrid_tamp.model.deadline import Deadline
+from hybrid_tamp.model.closest_pair import ClosestPair
+from hybrid_tamp.model.collision import Collision
+from hybrid_tamp.model.deadline import NEVER, Deadline
 from hybrid_tamp.model.law import check_law
 from hybrid_tamp.model.outcome import PlanOutcome
-from hybrid_tamp.model.recording import Recording
+from hybrid_tamp.model.recording import Failure, Recording
 from hybrid_tamp.model.refined import Value
 from hybrid_tamp.model.run_result import Compared, RunResult
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.physics.protocol import Backend
 from hybrid_tamp.planning.closest_pairs import measure_pairs
 from hybrid_tamp.planning.collisions import check_recording
+from hybrid_tamp.planning.isolation import ChildEnded, Note, run_isolated
 from hybrid_tamp.report.measures import run_measures
 from hybrid_tamp.report.versions import versions
 
@@ -32,7 +35,7 @@ def judge(
     """
     assert outcome.refinement is not None, "a plan must be refined before it is executed"
     task = outcome.task
-    recording = add_predictions(recording, outcome.refinement.expected)
+    recording, pairs, collisions = _compare_bodies(add_predictions(recording, outcome.refinement.expected), outcome)
     own = task.domain.measure(task, recording)
     metrics = {".".join(key): value for key, value in own.items()} | dict(run_measures(outcome.required(), recording))
     figures = {key: float(figure[0]) for key, figure in measure_run(task, recording).figures.items()}
@@ -48,9 +51,27 @@ def judge(
         ),
         law=tuple([] if recording.failure else check_law(task, recording.plan, recording.at)),
         comparison=comparison,
-        closest_pairs=measure_pairs(task, recording, outcome.closest_pairs),
-        collisions=() if recording.failure else check_recording(task, recording),
+        closest_pairs=pairs,
+        collisions=collisions,
     )
+
+
+def _compare_bodies(
+    recording: Recording, outcome: PlanOutcome
+) -> tuple[Recording, tuple[ClosestPair, ...], tuple[Collision, ...]]:
+    """Return the recording, its closest pairs and its collisions. A run that cannot be checked counts as failed."""
+
+    def compare(note: Note) -> tuple[tuple[ClosestPair, ...], tuple[Collision, ...]]:
+        note("the check of the recording")
+        pairs = measure_pairs(outcome.task, recording, outcome.closest_pairs)
+        return pairs, () if recording.failure else check_recording(outcome.task, recording)
+
+    try:
+        return recording, *run_isolated(compare, NEVER)
+    except ChildEnded as ended:
+        last = max(recording.instances, key=lambda each: each.end)
+        failure = Failure(len({each.end for each in recording.instances}), last.name, str(ended))
+        return replace(recording, failure=recording.failure or failure), outcome.closest_pairs, ()
 
 
 def compare_runs(
