@@ -49,20 +49,33 @@ def route(task: Task, plan: TaskPlan, evaluate: Evaluate, deadline: Deadline = N
         rollouts = Rollouts(task, attempt.plan, deadline, attempt.guards)
         refined = evaluate(attempt.plan, rollouts)
         missed = refined.shortfall
-        if missed is not None and missed.atom.predicate != CLEAR:
-            where = waiting_for(refined.plan, missed.where)
-            return attempt.refused or replace(refined, shortfall=replace(missed, where=where))
+        failed = missed is not None and missed.atom.predicate != CLEAR
+        if missed is not None and failed and not _may_take_path(task, refined.plan, missed):
+            return attempt.refused or _refuse(refined, missed)
         movements = list(find_sweeps(task, refined.plan, rollouts.trace(refined.plan), deadline))
         overhang = find_overhang(task, movements)
         if overhang is not None:
             return replace(refined, shortfall=_fall(overhang))
         changed = avoid_collisions(task, refined, attempt, movements, deadline)
+        if missed is not None and failed and not (isinstance(changed, Attempt) and changed.plan is not attempt.plan):
+            return attempt.refused or _refuse(refined, missed)
         if isinstance(changed, RefinedPlan):
             return changed
         if changed is None:
             found = refined if missed is None else _settle(task, refined, deadline)
             return _check(task, found, rollouts, movements, deadline)
         attempt = changed
+
+
+def _may_take_path(task: Task, plan: TaskPlan, missed: Shortfall) -> bool:
+    """Return whether a path may also meet a condition that fails, e.g. because a hand begins under a table."""
+    failing = next((each for each in plan.instances if each.name == missed.where), None)
+    return failing is not None and not failing.path and task.domain.block_by_name[failing.block].path is not None
+
+
+def _refuse(refined: RefinedPlan, missed: Shortfall) -> RefinedPlan:
+    """Return a refused plan. If a hand fails to give way, the reason names the instance that waits for the hand."""
+    return replace(refined, shortfall=replace(missed, where=waiting_for(refined.plan, missed.where)))
 
 
 def _check(

@@ -64,3 +64,10 @@ def test_tasks_on_tables_are_planned() -> None:
     assert isinstance(outcome.plan, TaskPlan)
     # The hand starts below the top of the table, so it follows a path around the edge.
     assert any(instance.path for instance in outcome.plan.instances)
+
+
+def test_a_hand_under_a_table_takes_a_path_although_no_straight_reach_meets_its_conditions() -> None:
+    below = TASK.replaced(state=TASK.state.replace({("hand", "position"): (0.5, 0.0, 0.5)}))
+    found = hybrid_tamp.plan(below, hybrid_tamp.Settings(evaluations=60), optimise=True).required()
+    (reach,) = (each for each in found.instances if each.block == "REACHING:behind")
+    assert len(reach.path) > 2
