@@ -81,17 +81,23 @@ def swap_tokens(search: Search, best: Candidate) -> Candidate:
     groups = [[name for name in group if name in moving] for group in interchangeable(search.task)]
     pairs = [pair for group in groups for pair in combinations(group, 2)]
     with search.stage("scheduling"):  # As one batch, the rollouts of all pairs cost little more than those of one pair.
-        search.expectations.of([each for pair in pairs for each in _exchange(search, best.plan, pair)])
+        tried = [pair for pair in pairs if compilation.reaches_goal(_swap(compilation, best.plan.actions, pair))]
+        search.expectations.of([each for pair in tried for each in _exchange(search, best.plan, pair)])
     for pair in pairs:
         search.deadline.check()
-        one, other = map(compilation.words.name, pair)
-        actions = [rename_arguments(action, {one: other, other: one}) for action in best.plan.actions]
+        actions = _swap(compilation, best.plan.actions, pair)
         with search.stage("scheduling"):
             possible = compilation.reaches_goal(actions) and _may_shorten(search, best.plan, pair)
             swapped = _schedule(compilation, actions, search.estimates) if possible else None
         if swapped is not None and _sum_times(swapped) < _sum_times(best.plan) - 1e-6:
             best = search.judge(Candidate(f"{best.way}, {SWAPPED}", swapped)) or best
     return best
+
+
+def _swap(compilation: Compilation, actions: Sequence[PlannedAction], pair: tuple[str, str]) -> list[PlannedAction]:
+    """Return the actions with two tokens swapped."""
+    one, other = map(compilation.words.name, pair)
+    return [rename_arguments(action, {one: other, other: one}) for action in actions]
 
 
 def _may_shorten(search: Search, plan: TaskPlan, pair: tuple[str, str]) -> bool:
