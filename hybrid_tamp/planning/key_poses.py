@@ -20,10 +20,7 @@ from hybrid_tamp.model.refined import CLEAR, Shortfall
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.motion.arrays import FloatArray
 from hybrid_tamp.planning.clearance import Sweep
-from hybrid_tamp.planning.proofs import find_movers, is_determined, obstruct
-
-_TURNED = 1e-6
-"""Largest difference of the components of equal orientations."""
+from hybrid_tamp.planning.proofs import EQUAL, find_movers, is_determined, obstruct
 
 
 @dataclass(frozen=True)
@@ -73,7 +70,7 @@ def _find_spread(task: Task, movement: Sweep, name: str, before: Sequence[Sweep]
     """Return where an object may be that earlier movements have shifted but not turned."""
     movers = find_movers(name, before)
     turns = np.concatenate([next(t for t in each.tracks if t.body.name == name).orientations for each in movers])
-    if name not in movement.instance.slots.values() or np.abs(turns - turns[0]).max() > _TURNED:
+    if name not in movement.instance.slots.values() or np.abs(turns - turns[0]).max() > EQUAL:
         return None
     last, world = movers[-1].instance, movement.trace.world
     slot = next(slot for slot, token in last.slots.items() if token == name)

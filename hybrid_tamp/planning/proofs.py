@@ -27,7 +27,7 @@ from hybrid_tamp.planning.clearance import Sweep
 
 _ASIDE = 5e-3
 """Largest distance of a body from its straight way [m]."""
-_EQUAL = 1e-6
+EQUAL = 1e-6
 """Largest difference of the components of equal orientations."""
 _TURNED = 1e-3
 """Largest displacement by which a ball counts as not turning around the body [m]."""
@@ -66,7 +66,7 @@ def _hits(task: Task, movement: Sweep, slot: str, way: FloatArray) -> bool:
     """Return whether a token that does not turn hits a body on its way, given as offsets from its start [m]."""
     name = movement.instance.slots[slot]
     turns = next(each.orientations for each in movement.tracks if each.body.name == name)
-    if np.abs(turns - turns[0]).max() > _EQUAL:
+    if np.abs(turns - turns[0]).max() > EQUAL:
         return False
     start = movement.trace.world[name, "position"]
     found = obstruct(task, movement, KeyPose(slot, start, turns[0], _ASIDE))

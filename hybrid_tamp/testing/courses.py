@@ -34,10 +34,9 @@ def check_courses(rolled: Rollouts, found: Disagreements) -> None:
     course = declared_course(block, rolled.binding, rolled.start, Parameters(chosen))
     if course is None:
         return
-    last = int(rolled.lengths[0])
-    rows = np.unique(np.linspace(0, last, min(_POSES, last + 1)).astype(int))
+    rows = rolled.sample(0, _POSES)
     passed = State(rolled.states.layout, rolled.states.values[rows, 0])
-    timing = None if course.times is None else Timing(rows * rolled.dt, course.times, SKEW)
+    timing = None if course.times is None else Timing(rows.astype(np.float64) * rolled.dt, course.times, SKEW)
     for slot in block.writes:
         token = rolled.binding[slot]
         assert isinstance(token, Token)

@@ -1,7 +1,5 @@
 """Check of `Block.key_poses`: every rollout that reaches its exit conditions must pass the declared key poses."""
 
-import numpy as np
-
 from hybrid_tamp.collision.bodies import Body
 from hybrid_tamp.collision.deviations import find_deviation
 from hybrid_tamp.collision.sweeps import Track
@@ -49,6 +47,5 @@ def _distance(body: Body, pose: KeyPose, track: Track) -> float:
 
 
 def _track(body: Body, rolled: Rollouts, row: int) -> Track:
-    last = int(rolled.lengths[row])
-    rows = np.unique(np.linspace(0, last, min(_POSES, last + 1)).astype(int))
+    rows = rolled.sample(row, _POSES)
     return Track(body, *(rolled.states[body.name, name][rows, row] for name in ("position", "orientation")))

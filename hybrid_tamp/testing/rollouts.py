@@ -59,6 +59,11 @@ class Rollouts:
         """Indices of the rows that reached their exit conditions."""
         return [int(row) for row in np.flatnonzero(self.reached)]
 
+    def sample(self, row: int, most: int) -> NDArray[np.int64]:
+        """Return the indices of at most `most` states of a row, from its start to its end."""
+        last = int(self.lengths[row])
+        return np.unique(np.linspace(0, last, min(most, last + 1)).astype(int))
+
     def end(self, row: int) -> State:
         """Return the final state of a row."""
         return State(self.states.layout, self.states.values[self.lengths[row], row])

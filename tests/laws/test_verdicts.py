@@ -19,6 +19,7 @@ from hybrid_tamp.model.predicate import Atom
 from hybrid_tamp.model.task import Task
 from hybrid_tamp.symbolic.decode import decode
 from hybrid_tamp.symbolic.encoding.problem import Compilation, compile_task
+from hybrid_tamp.symbolic.engines.plain import lineage
 from hybrid_tamp.symbolic.engines.planner_process import PlannerProcess
 from hybrid_tamp.symbolic.pddl.joins import FactIndex, bind_condition, join
 from hybrid_tamp.symbolic.pddl.operators import Operator, PlanningProblem
@@ -67,9 +68,8 @@ def ranges_of(problem: PlanningProblem, operator: Operator) -> dict[str, list[st
     parents = dict(problem.domain.types)
     kinds: dict[str, set[str]] = {}
     for name, kind in (*problem.objects, *problem.domain.constants):
-        while kind:
-            kinds.setdefault(kind, set()).add(name)
-            kind = parents.get(kind, "")
+        for wide in lineage(kind, parents):
+            kinds.setdefault(wide, set()).add(name)
     return {variable: sorted(kinds.get(kind, ())) for variable, kind in operator.parameters}
 
 
